@@ -1,0 +1,212 @@
+"""The mesh of a shape on its background grid, fitted to the boundary.
+
+Cells that are inside are taken whole (divided into equal subcells, so that splines of high degree on
+few cells are shown as they are); the subcells that the boundary cuts are divided into simplices, split
+along the surfaces of the shape and moved onto them.  Edges and corners stay sharp.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rfm.app.fitted.lattice import Lattice, kuhn_simplices
+from rfm.app.fitted.polish import polish
+from rfm.app.fitted.simplices import (
+    Flags,
+    Ints,
+    Signs,
+    simplex_signs,
+    snapped,
+    split_all,
+    state,
+    surface_values,
+)
+from rfm.calculus.types import Array
+
+if TYPE_CHECKING:
+    from rfm.geometry.shape import Shape
+    from rfm.geometry.surface import Surface
+    from solvers.classify import Classification
+    from solvers.grid import Grid
+
+SUBCELLS = {1: 200, 2: 96, 3: 40}
+"""Subcells along the longest side of the grid, at least, by dimension."""
+
+FEATURE = 4
+"""Subcells per feature size (radius, half width) of a surface, where the limit below allows it."""
+
+FINEST = {1: 16, 2: 16, 3: 4}
+"""Further division of a cell at a small feature, at most, by dimension."""
+
+LARGEST_LATTICE = 30_000_000
+
+
+@dataclass(frozen=True)
+class FittedMesh:
+    """Points, whole subcells, simplices at the boundary, and the facets of the boundary.
+
+    Attributes
+    ----------
+    points
+        Coordinates (n, d).
+    blocks
+        Corners of the whole subcells (nb, 2^d), in C order: the last direction varies fastest.
+    simplices
+        Corners of the simplices (ns, d + 1), volumes positive.
+    facets
+        Corners of the boundary facets (nf, d).
+    carriers
+        Number of the surface that carries each facet (nf,), an index into `surfaces`.
+    surfaces
+        Surfaces of the shape.
+    """
+
+    points: Array
+    blocks: Ints
+    simplices: Ints
+    facets: Ints
+    carriers: Ints
+    surfaces: tuple[Surface, ...]
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return int(self.points.shape[1])
+
+    @cached_property
+    def all_simplices(self) -> Ints:
+        """The whole mesh as simplices (triangles in 2D), the blocks divided."""
+        divided = self.blocks[:, kuhn_simplices(self.dimension)].reshape(-1, self.dimension + 1)
+        return np.concatenate([divided, self.simplices])
+
+    @cached_property
+    def measure(self) -> float:
+        """Area (volume) of the mesh: that of the shape up to the curvature within a subcell."""
+        return float(np.abs(volumes(self.points, self.all_simplices)).sum())
+
+
+def fit(domain: Shape, grid: Grid, classification: Classification, subcells: int | None = None) -> FittedMesh:
+    """Mesh of `domain` on `grid`, fitted to its boundary.
+
+    Parameters
+    ----------
+    subcells
+        Subcells along the longest side of the grid, at least (a default by dimension when absent).
+    """
+    dimension = grid.dimension
+    cells = np.asarray(grid.cells, dtype=np.int64)
+    divisions = max(1, math.ceil((subcells or SUBCELLS[dimension]) / int(cells.max())))
+    surfaces = domain.surfaces
+    touching = np.asarray(classification.touching, dtype=bool)
+    whole = np.argwhere((classification.state == 1) & ~touching)
+    edge = np.argwhere((classification.state == 0) | touching)
+    factors = _extra_divisions(grid, surfaces, edge, divisions)
+    lattice = Lattice(grid.lower, grid.spacing, cells, divisions * int(factors.max(initial=1)))
+    corners = [lattice.subcells(whole, divisions)]
+    corners += [lattice.subcells(edge[factors == f], divisions * int(f)) for f in np.unique(factors)]
+    x, numbered = lattice.number(corners)
+    inner, candidates = numbered[0], np.concatenate([np.empty((0, 2**dimension), np.int64), *numbered[1:]])
+    return _split_candidates(domain, x, inner, candidates, np.asarray(grid.spacing) / divisions)
+
+
+def _split_candidates(domain: Shape, x: Array, inner: Ints, candidates: Ints, sides: Array) -> FittedMesh:
+    surfaces, expression = domain.surfaces, domain.expression
+    at_edge = np.zeros(len(x), dtype=bool)
+    at_edge[candidates] = True
+    new = np.cumsum(at_edge) - 1
+    local = new[candidates]
+    values = surface_values(surfaces, x[at_edge])
+    points = snapped(x[at_edge], values, _local_range(values, local))
+    signs = simplex_signs(points, local, surfaces)
+    inside = state(expression, surfaces, signs)
+    # a whole subcell with corners on a surface may have a facet on the boundary: simplices find it
+    divide = (inside == 0) | ((inside > 0) & points.on[local].any(axis=(1, 2)))
+    pieces = local[divide][:, kuhn_simplices(x.shape[1])].reshape(-1, x.shape[1] + 1)
+    points, simplices, sides_of = split_all(points, pieces, surfaces, expression)
+    moved = polish(points.x, points.on, surfaces, 0.5 * float(sides.max()))
+    # numbers of the mesh: first the corners of subcells, then the points that splitting made
+    old = np.flatnonzero(at_edge)
+    x = np.concatenate([x, moved[len(old) :]])
+    x[old] = moved[: len(old)]
+    back = np.concatenate([old, np.arange(len(x) - len(moved) + len(old), len(x))])
+    facets, carriers = _boundary(domain, simplices, sides_of, points.on)
+    simplices = back[simplices]
+    size = volumes(x, simplices)
+    flipped = size < 0
+    simplices[flipped] = simplices[flipped][:, [1, 0, *range(2, simplices.shape[1])]]
+    simplices = simplices[np.abs(size) > 1e-12 * float(np.prod(sides))]
+    blocks = np.concatenate([inner, candidates[(inside > 0) & ~divide]])
+    return _compact(x, blocks, simplices, back[facets], carriers, surfaces)
+
+
+def _extra_divisions(grid: Grid, surfaces: tuple[Surface, ...], cells: Ints, divisions: int) -> Ints:
+    """Power of two by which each cell is divided further because a small feature passes through it."""
+    factors = np.ones(len(cells), dtype=np.int64)
+    side = float(np.max(grid.spacing)) / divisions
+    limit = FINEST[grid.dimension]
+    lattice = float(np.prod(np.asarray(grid.cells, dtype=float) * divisions))
+    while limit > 1 and lattice * float(limit) ** grid.dimension > LARGEST_LATTICE:
+        limit //= 2
+    centers = grid.lower + (cells + 0.5) * grid.spacing
+    reach = 0.75 * float(np.linalg.norm(grid.spacing))
+    for surface in surfaces:
+        wanted = FEATURE * side / surface.size if surface.size > 0 else 1.0
+        if wanted <= 1 or limit == 1:
+            continue
+        near = np.abs(surface_values([surface], centers)[:, 0]) <= reach
+        factor = min(limit, 2 ** math.ceil(math.log2(wanted)))
+        factors[near] = np.maximum(factors[near], factor)
+    return factors
+
+
+def _local_range(values: Array, blocks: Ints) -> Array:
+    """Largest range of each surface function (n, s) over the subcells around a point."""
+    ranges = np.ptp(values[blocks], axis=1)
+    scale = np.zeros_like(values)
+    for corner in blocks.T:
+        np.maximum.at(scale, corner, ranges)
+    return scale
+
+
+def _boundary(domain: Shape, simplices: Ints, signs: Signs, on: Flags) -> tuple[Ints, Ints]:
+    """Facets of the `simplices` on a surface beyond which the outside begins, and its number.
+
+    The facet lies on the boundary when changing the sign of its surface leads outside.
+    """
+    surfaces, expression = domain.surfaces, domain.expression
+    facets, carriers = [np.empty((0, simplices.shape[1] - 1), np.int64)], [np.empty(0, np.int64)]
+    for opposite in range(simplices.shape[1]):
+        corners = np.delete(simplices, opposite, axis=1)
+        common = on[corners].all(axis=1)
+        for column in np.flatnonzero(common.any(axis=0)):
+            rows = np.flatnonzero(common[:, column])
+            beyond = signs[rows].copy()
+            beyond[:, column] *= -1
+            found = rows[state(expression, surfaces, beyond) < 0]
+            common[found] = False
+            facets.append(corners[found])
+            carriers.append(np.full(len(found), column))
+    return np.concatenate(facets), np.concatenate(carriers)
+
+
+def _compact(
+    x: Array, blocks: Ints, simplices: Ints, facets: Ints, carriers: Ints, surfaces: tuple[Surface, ...]
+) -> FittedMesh:
+    """Drop the points that nothing uses."""
+    used = np.zeros(len(x), dtype=bool)
+    used[blocks] = True
+    used[simplices] = True
+    kept = used[facets].all(axis=1)
+    new = np.cumsum(used) - 1
+    return FittedMesh(x[used], new[blocks], new[simplices], new[facets[kept]], carriers[kept], surfaces)
+
+
+def volumes(x: Array, simplices: Ints) -> Array:
+    """Signed volumes (m,) of the simplices (areas of triangles in 2D)."""
+    edges = x[simplices[:, 1:]] - x[simplices[:, :1]]
+    return np.asarray(np.linalg.det(edges) / math.factorial(x.shape[1]))

@@ -1,0 +1,37 @@
+"""Shapes as formulas: primitives, Boolean operations, and the four functions of a boundary.
+
+``membership`` (sign), ``weight`` (smooth, zero exactly on a part), ``distance`` (normalised) and
+``extend`` (boundary data carried inward); see docs/geometry.md.
+"""
+
+from rfm.geometry.box import Box
+from rfm.geometry.part import Part
+from rfm.geometry.polygon import polygon
+from rfm.geometry.primitives import KINDS, function
+from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, strip
+from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
+from rfm.geometry.shape import Shape
+from rfm.geometry.surface import Surface
+
+__all__ = [
+    "KINDS",
+    "Box",
+    "Part",
+    "Shape",
+    "Surface",
+    "ball",
+    "box",
+    "cone",
+    "cylinder",
+    "disk",
+    "ellipse",
+    "ellipsoid",
+    "function",
+    "half_plane",
+    "half_space",
+    "polygon",
+    "rectangle",
+    "slab",
+    "strip",
+    "torus",
+]

@@ -1,0 +1,72 @@
+r"""From all B-splines to the unknowns of a space: ``E A E^T`` and ``E f``.
+
+With the free (inner) indices I, the dependent (outer) ones J and the extension ``E = (1, X)``,
+
+.. math:: E A E^T = A_{II} + X A_{JI} + A_{IJ} X^T + X A_{JJ} X^T = A_{II} + Z + Z^T, \quad
+          Z = X (A_{JI} + \tfrac12 A_{JJ} X^T)
+
+for a symmetric matrix: only the part near the boundary is multiplied.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rfm.calculus.types import Array
+from solvers.assembly_stencil import Stencil
+from solvers.extension import Extension
+
+DENSE = 700
+"""Up to this many relevant indices the matrix is always an array."""
+DENSE_COUPLED = 6000
+"""Up to this many it is one when an index couples to a tenth of the others."""
+
+
+def reduce_load(load: Array, free: Extension) -> Array:
+    """Load of the unknowns."""
+    outer = free.coefficients * load[free.outer, None]
+    extended = np.bincount(free.sources.ravel(), outer.ravel(), minlength=len(free.dofs))
+    reduced: Array = load[free.dofs] + extended
+    return reduced
+
+
+def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
+    """Matrix of the unknowns: an array when it is small or full anyway, else CSR."""
+    relevant = len(free.dofs) + len(free.outer)
+    coupled = 10 * (2 * stencil.degree + 1) ** len(stencil.shape) >= relevant
+    if relevant <= DENSE or (coupled and relevant <= DENSE_COUPLED):
+        build, extension = stencil.dense, _dense_extension(free)
+    else:
+        build, extension = stencil.sparse, _sparse_extension(free)
+    inner = build(free.dofs, free.dofs)
+    if not len(free.outer):
+        return inner
+    mixed = build(free.outer, free.dofs)
+    outer = build(free.outer, free.outer)
+    if symmetric:
+        half = extension @ (mixed + 0.5 * (outer @ extension.T))
+        return inner + (half + half.T)
+    left = extension @ mixed
+    right = (build(free.dofs, free.outer) + extension @ outer) @ extension.T
+    return inner + left + right
+
+
+def _dense_extension(free: Extension) -> Array:
+    """X as an array, shape (dofs, outer)."""
+    matrix = np.zeros((len(free.dofs), len(free.outer)))
+    matrix[free.sources, np.arange(len(free.outer))[:, None]] = free.coefficients
+    return matrix
+
+
+def _sparse_extension(free: Extension) -> Any:
+    """X as a sparse matrix, shape (dofs, outer)."""
+    from scipy.sparse import csr_array
+
+    width = free.sources.shape[1]
+    pointer = np.arange(len(free.outer) + 1) * width
+    transposed = csr_array(
+        (free.coefficients.ravel(), free.sources.ravel(), pointer), shape=(len(free.outer), len(free.dofs))
+    )
+    return transposed.T.tocsr()

@@ -1,0 +1,1 @@
+"""One file per equation; each is its energy density, its flux and its strong residual."""

@@ -1,0 +1,173 @@
+r"""Extension of outer B-splines to inner ones: the heart of WEB-splines.
+
+An index ``i`` is *inner* when the support of its B-spline contains a whole cell of the domain, *outer* when the
+support only meets the domain. An outer B-spline may have an arbitrarily small part in the domain, which spoils the
+stability of the basis. So its coefficient is not free: a polynomial of degree p has coefficients that are a
+polynomial of the index, hence an outer coefficient is extrapolated from an array of inner ones,
+
+.. math::
+
+    c_j = \sum_{i \in I(j)} e_{ij} c_i, \quad I(j) = \ell + \{0, \dots, p\}^d, \quad
+    e_{ij} = \prod_{\nu=1}^d \prod_{k \ne i_\nu} \frac{j_\nu - k}{i_\nu - k}, \quad k = \ell_\nu, \dots, \ell_\nu + p,
+
+and the unknowns are the inner coefficients (Hoellig, Reif, Wipper, SINUM 39 (2001), Definition 8 and (16); Hoellig,
+SIAM 2003, section 4.3). *Nearest* is measured by what counts: among all arrays of inner indices I(j) is the one
+with the smallest :math:`\sum_i |e_{ij}|`, which depends only on how far j lies outside the array in each
+direction; ties go to the closest centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rfm.calculus.types import Array
+
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Extension:
+    """Which coefficients are free, and how the others follow from them.
+
+    Attributes
+    ----------
+    dofs
+        Flat indices of the free coefficients in the full tensor array, ascending.
+    outer
+        Flat indices of the dependent coefficients, ascending.
+    sources
+        For each dependent coefficient the positions in `dofs` it follows from, shape (len(outer), (p+1)^d).
+    coefficients
+        The weights e of `sources`.
+    """
+
+    dofs: Indices
+    outer: Indices
+    sources: Indices
+    coefficients: Array
+
+
+def touched(cells: Mask, degree: int) -> Mask:
+    """Indices whose support contains one of the marked `cells`, shape ``cells.shape + degree``."""
+    result = np.zeros(tuple(n + degree for n in cells.shape), dtype=bool)
+    result[tuple(slice(0, n) for n in cells.shape)] = cells
+    for axis in range(cells.ndim):
+        view = np.moveaxis(result, axis, 0)
+        source = view.copy()
+        for shift in range(1, degree + 1):
+            view[shift:] |= source[:-shift]
+    return result
+
+
+def full_arrays(inner: Mask, degree: int) -> Mask:
+    """Lower corners of the arrays of ``(p+1)^d`` marked indices, shape ``inner.shape - degree``."""
+    for axis in range(inner.ndim):
+        view = np.moveaxis(inner, axis, 0)
+        count = view.shape[0] - degree
+        kept = view[:count].copy()
+        for shift in range(1, degree + 1):
+            kept &= view[shift : shift + count]
+        inner = np.moveaxis(kept, 0, axis)
+    return np.ascontiguousarray(inner)
+
+
+def extend(inner: Mask, relevant: Mask, degree: int) -> Extension:
+    """Attach every relevant index that is not inner to the nearest array of inner ones.
+
+    Parameters
+    ----------
+    inner, relevant
+        Marked indices, both of the full shape; the arrays of inner indices must not be empty when some relevant
+        index is not inner (see :func:`full_arrays`).
+    degree
+        Degree p.
+    """
+    dimension = inner.ndim
+    dofs = np.flatnonzero(inner)
+    outer = np.flatnonzero(relevant & ~inner)
+    corner_strides = _strides(inner.shape)
+    where = np.stack(np.unravel_index(outer, inner.shape), axis=-1)
+    shift = _nearest_arrays(full_arrays(inner, degree), where, degree)  # j - l, one row an outer index
+    local = np.indices((degree + 1,) * dimension).reshape(dimension, -1)
+    flat = (where - shift) @ corner_strides
+    position = np.zeros(inner.size, dtype=np.intp)
+    position[dofs] = np.arange(len(dofs))
+    sources = position[flat[:, None] + corner_strides @ local]
+    coefficients = np.ones((len(outer), 1))
+    for axis in range(dimension):
+        factor = _lagrange(shift[:, axis], degree)
+        coefficients = (coefficients[:, :, None] * factor[:, None, :]).reshape(len(outer), -1)
+    return Extension(dofs, outer, sources, coefficients)
+
+
+def no_extension(relevant: Mask, dimension: int, degree: int) -> Extension:
+    """All relevant coefficients free, none dependent."""
+    width = (degree + 1) ** dimension
+    return Extension(
+        np.flatnonzero(relevant), np.zeros(0, np.intp), np.zeros((0, width), np.intp), np.zeros((0, width))
+    )
+
+
+def _strides(shape: Sequence[int]) -> Indices:
+    """Strides in items of a C-ordered array."""
+    return np.append(np.cumprod(shape[:0:-1])[::-1], 1).astype(np.intp)
+
+
+def _lagrange(position: Indices, degree: int) -> Array:
+    """Lagrange polynomials of the nodes 0..p at integer positions, shape (n, p+1)."""
+    nodes = np.arange(degree + 1)
+    values = np.ones((len(position), degree + 1))
+    for k in nodes:
+        others = nodes != k
+        values[:, others] *= (position[:, None] - k) / (nodes[others] - k)
+    return values
+
+
+@lru_cache(maxsize=32)
+def _window(dimension: int, degree: int, reach: int) -> Indices:
+    """Shifts ``j - l`` with j at most `reach` outside the array, sorted from near to far, shape (n, d)."""
+    line = np.arange(-reach, degree + reach + 1)
+    growth = np.log(np.abs(_lagrange(line, degree)).sum(axis=1))  # logarithm of the sum of |e| in one direction
+    off_centre = (line - degree / 2) ** 2
+    grids = np.meshgrid(*[np.arange(len(line))] * dimension, indexing="ij")
+    cost = sum(growth[g] for g in grids).ravel()
+    tie = sum(off_centre[g] for g in grids).ravel()
+    order = np.lexsort((tie, np.round(cost, 9)))
+    return np.stack([line[g.ravel()[order]] for g in grids], axis=-1)
+
+
+def _nearest_arrays(corners: Mask, where: Indices, degree: int) -> Indices:
+    """Shift ``j - l`` from the corner l of the nearest array, for each row j of `where`.
+
+    The shifts are tried from near to far, a block at a time; the search window doubles until all are found.
+    """
+    dimension = corners.ndim
+    found = np.zeros(where.shape, dtype=np.intp)
+    missing = np.arange(len(where))
+    reach = degree + 2
+    while len(missing):
+        # cells around the array of corners that hold none, so that a shifted index never leaves the array
+        margin = reach + degree
+        padded = np.pad(corners, margin)
+        strides = _strides(padded.shape)
+        flags = padded.ravel()
+        shifts = _window(dimension, degree, reach)
+        flat_shifts = shifts @ strides
+        start = 0
+        while start < len(shifts) and len(missing):
+            block = max(1, min(len(shifts) - start, 200_000 // len(missing)))
+            base = (where[missing] + margin) @ strides
+            hit = flags[base[:, None] - flat_shifts[start : start + block]]
+            first = hit.argmax(axis=1)
+            done = hit[np.arange(len(missing)), first]
+            found[missing[done]] = shifts[start + first[done]]
+            missing = missing[~done]
+            start += block
+        reach *= 2
+    return found

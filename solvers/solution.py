@@ -1,0 +1,108 @@
+"""The computed field: evaluate it anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rfm.calculus.types import Array
+from solvers.background import Background
+from solvers.grid import Grid
+from solvers.linear import LinearSolution
+from solvers.problem import Discretization, Problem
+from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.web import evaluate as evaluate_spline
+from structures.jet_matrix import evaluate as evaluate_structure
+from structures.operator import Operator
+
+CHUNK = 100_000
+"""Points evaluated at a time."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A solution structure with a chosen spline: all that is needed to evaluate u at a point.
+
+    Attributes
+    ----------
+    structure
+        ``u = u0 + B[psi]``.
+    grid, degree
+        Background grid and degree of psi.
+    coefficients
+        B-spline coefficients of psi on the full grid, shape ``cells + degree``.
+    """
+
+    structure: Operator
+    grid: Grid
+    degree: int
+    coefficients: Array
+
+    def jet(self, batch: TensorBatch | PointBatch, order: int = 1) -> Array:
+        """Partial derivatives of u up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
+        matrix = evaluate_structure(self.structure, batch.points(self.grid), order)
+        psi = evaluate_spline(self.coefficients, self.grid, self.degree, batch, order + self.structure.order)
+        return matrix.apply(psi)
+
+    def at(self, points: ArrayLike, order: int = 1) -> Array:
+        """Partial derivatives of u at arbitrary points (n, d), shape (n_alpha, n).
+
+        Outside the grid the spline is continued by its nearest polynomial piece.
+
+        Raises
+        ------
+        ValueError
+            The points do not have d columns.
+        """
+        where = np.atleast_2d(np.asarray(points, dtype=float))
+        dimension = len(self.grid.cells)
+        if where.ndim != 2 or where.shape[1] != dimension:
+            raise ValueError(f"points must have shape (n, {dimension}), got {where.shape}")
+        starts = range(0, max(len(where), 1), CHUNK)
+        pieces = [self.jet(PointBatch.at(self.grid, where[s : s + CHUNK]), order)[:, :, 0] for s in starts]
+        joined: Array = np.concatenate(pieces, axis=1)
+        return joined
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a solver returns.
+
+    Attributes
+    ----------
+    problem, discretization
+        What was asked for.
+    background
+        Grid, cells, rules and space it was solved on.
+    trial
+        The field.
+    linear
+        Residual, iterations and choice of the linear solver.
+    seconds
+        Wall seconds of the phases geometry, quadrature, assembly, solve.
+    """
+
+    problem: Problem
+    discretization: Discretization
+    background: Background
+    trial: Trial
+    linear: LinearSolution
+    seconds: Mapping[str, float]
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+        return self.background.space.n_dofs
+
+    def u(self, points: ArrayLike) -> Array:
+        """Values of u at points (n, d), shape (n,)."""
+        values: Array = self.trial.at(points, 0)[0]
+        return values
+
+    def gradient(self, points: ArrayLike) -> Array:
+        """Gradient of u at points (n, d), shape (n, d)."""
+        gradient: Array = self.trial.at(points, 1)[1:].T
+        return gradient

@@ -1,0 +1,193 @@
+r"""Spaces of splines on the background grid of a domain: plain B-splines and WEB-splines.
+
+Notation. The grid has ``cells`` = n cells in each of d directions, and the tensor-product B-splines of degree p carry
+indices of the *full* shape ``n + p``; index ``i`` lives on the cells ``i - p, ..., i``. An index is
+
+- *relevant* when its support meets the domain, in an inner cell or in a cut cell with quadrature points,
+- *inner* when its support contains an inner cell,
+- *outer* when it is relevant and not inner.
+
+The basis ``web-spline`` has one unknown for each inner index and extends it to the outer ones
+(:mod:`solvers.extension`); its condition number does not depend on how the boundary cuts the cells, and it
+reproduces every polynomial of degree p. The basis ``b-spline`` has one unknown for each relevant index. The weight
+of a WEB-spline is part of the solution structure, hence not here.
+
+Sources: Hoellig, Reif, Wipper, *Weighted extended B-spline approximation of Dirichlet problems*, SINUM 39 (2001);
+Hoellig, *Finite Element Methods with B-Splines*, SIAM 2003, chapter 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rfm.calculus.types import Array
+from rfm.errors import DiscretizationError
+from solvers.classify import Classification
+from solvers.evaluation import evaluate
+from solvers.extension import Extension, Mask, extend, full_arrays, no_extension, touched
+from solvers.grid import Grid
+from solvers.splines import require_degree
+
+__all__ = ["BASES", "SplineSpace", "evaluate"]
+
+Finer = Callable[[int], Classification]
+INNER = 1
+TRIAL_CELLS = 2_000_000
+"""Largest grid, in cells, that is tried in search of a remedy."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplineSpace:
+    """Splines of degree p on a grid, restricted to what a domain needs.
+
+    Attributes
+    ----------
+    grid, degree
+        Background grid and degree p.
+    free
+        Which coefficients are unknowns, and how the other relevant ones follow from them.
+    """
+
+    grid: Grid
+    degree: int
+    free: Extension
+
+    @staticmethod
+    def build(
+        grid: Grid,
+        degree: int,
+        classification: Classification,
+        basis: str = "web-spline",
+        cut_cells: NDArray[np.integer[Any]] | None = None,
+        finer: Finer | None = None,
+    ) -> SplineSpace:
+        """Space of splines over a classified grid.
+
+        Parameters
+        ----------
+        grid, degree
+            Background grid and degree.
+        classification
+            Its ``state`` says which cells are inner (1) and cut (0).
+        basis
+            One of :data:`BASES`.
+        cut_cells
+            The cut cells with quadrature points, shape (n, d), rows may repeat; all cut cells when omitted.
+        finer
+            Classification of the domain for another number of cells along the longest side: used to name a grid that
+            would do in the error message.
+
+        Raises
+        ------
+        DiscretizationError
+            The degree is out of range, the basis unknown, or the grid too coarse for the degree.
+        """
+        require_degree(degree)
+        if basis not in BASES:
+            raise DiscretizationError(f"unknown basis {basis!r}: choose one of {', '.join(sorted(BASES))}")
+        inside = classification.state == INNER
+        if cut_cells is None:
+            active = classification.state >= 0
+        else:
+            active = inside.copy()
+            active[tuple(np.asarray(cut_cells).T)] = True
+        relevant = touched(active, degree)
+        return SplineSpace(grid, degree, BASES[basis](inside, relevant, degree, finer))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Full shape ``cells + degree`` of the coefficient array."""
+        return tuple(int(n) + self.degree for n in self.grid.cells)
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of unknowns."""
+        return len(self.free.dofs)
+
+    @cached_property
+    def extension(self) -> Any:
+        """The extension as a sparse matrix E, shape (n_dofs, size of the full array): full = E^T c."""
+        from scipy.sparse import csr_array
+
+        free, width = self.free, self.free.sources.shape[1]
+        rows = np.concatenate([np.arange(self.n_dofs), free.sources.ravel()])
+        columns = np.concatenate([free.dofs, np.repeat(free.outer, width)])
+        entries = np.concatenate([np.ones(self.n_dofs), free.coefficients.ravel()])
+        return csr_array((entries, (rows, columns)), shape=(self.n_dofs, int(np.prod(self.shape))))
+
+    def full_coefficients(self, coefficients: Array) -> Array:
+        """Full tensor array of B-spline coefficients of the spline with the given unknowns."""
+        full = np.zeros(int(np.prod(self.shape)))
+        full[self.free.dofs] = coefficients
+        full[self.free.outer] = (self.free.coefficients * coefficients[self.free.sources]).sum(axis=1)
+        return full.reshape(self.shape)
+
+
+def web_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:
+    """Inner indices free, outer ones extended.
+
+    Raises
+    ------
+    DiscretizationError
+        There is no array of ``(p+1)^d`` inner indices to extend from.
+    """
+    inner = touched(inside, degree)
+    if not full_arrays(inner, degree).any():
+        raise DiscretizationError(_too_coarse(inside, degree, finer))
+    return extend(inner, relevant, degree)
+
+
+def b_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:  # noqa: ARG001
+    """All relevant indices free."""
+    return no_extension(relevant, relevant.ndim, degree)
+
+
+BASES: dict[str, Callable[[Mask, Mask, int, Finer | None], Extension]] = {
+    "web-spline": web_splines,
+    "b-spline": b_splines,
+}
+"""The bases by name."""
+
+
+def _too_coarse(inside: Mask, degree: int, finer: Finer | None) -> str:
+    """Say why WEB-splines cannot be built, and what would do."""
+    cells = inside.shape
+    array = "x".join([str(degree + 1)] * len(cells))
+    message = (
+        f"the grid of {'x'.join(map(str, cells))} cells is too coarse for WEB-splines of degree {degree}: "
+        f"no {array} array of B-splines with a whole cell in the domain"
+    )
+    remedies = []
+    needed = _grid_that_does(max(cells), degree, len(cells), finer)
+    if needed:
+        remedies.append(f"use grid: {needed}")
+    elif finer is None:
+        remedies.append("use a finer grid")
+    lower = next((q for q in range(degree - 1, 0, -1) if _extendable(inside, q)), None)
+    if lower:
+        remedies.append(f"degree: {lower}")
+    remedies.append("basis: b-spline")
+    return f"{message}; {', or '.join(remedies)}"
+
+
+def _grid_that_does(cells: int, degree: int, dimension: int, finer: Finer | None) -> int | None:
+    """Smallest number of cells, in steps of a quarter, for which the extension exists."""
+    if finer is None:
+        return None
+    while True:
+        cells = max(cells + 1, int(np.ceil(1.25 * cells)))
+        if cells**dimension > TRIAL_CELLS:
+            return None
+        if _extendable(finer(cells).state == INNER, degree):
+            return cells
+
+
+def _extendable(inside: Mask, degree: int) -> bool:
+    """Whether there is an array of inner indices to extend from."""
+    return bool(full_arrays(touched(inside, degree), degree).any())

@@ -1,0 +1,1 @@
+"""Solution structures: fields that satisfy boundary conditions whatever the unknown functions are."""
