@@ -111,15 +111,15 @@ fig.tight_layout()
 # side and is smooth: on an intersection every factor is positive inside.
 
 # %%
-lens = disk(center=(0, 0), radius=1) & rectangle(min=(-0.8, -0.55), max=(0.7, 0.6))
+plate = disk(center=(0, 0), radius=1) & rectangle(min=(-0.7, -0.6), max=(0.85, 0.8))
 
 
 def corner_exact(x, y):
-    factors = (1 - x**2 - y**2) * (x + 0.8) * (0.7 - x) * (y + 0.55) * (0.6 - y)
+    factors = (1 - x**2 - y**2) * (x + 0.7) * (0.85 - x) * (y + 0.6) * (0.8 - y)
     return factors * exp(x) * sin(3 * y + 1)
 
 
-corner = homogeneous(lens, corner_exact)
+corner = homogeneous(plate, corner_exact)
 grids = [16, 32, 64]
 names = {"r0": "$R_0$", "r0m2": "$R_0^m, m = 2$", "product": "product"}
 errors = {
@@ -143,17 +143,17 @@ for ax, p in zip(axes, (3, 4), strict=True):
 fig.tight_layout()
 
 # %% [markdown]
-# The weights themselves near the corner on the upper right: level lines of the R-conjunction follow the boundary round
-# the corner, those of the product are smooth.
+# The weights themselves near the corners on the upper right: level lines of the R-conjunction follow the boundary round
+# them, those of the product are smooth.
 
 # %%
 from rfm.geometry.weight import weight as weight_of
 
-x, y = np.meshgrid(np.linspace(0.3, 0.75, 200), np.linspace(0.25, 0.65, 200))
-inside = np.where(lens.membership(x, y) >= 0, 1.0, np.nan)
+x, y = np.meshgrid(np.linspace(0.3, 0.87, 200), np.linspace(0.3, 0.82, 200))
+inside = np.where(plate.membership(x, y) >= 0, 1.0, np.nan)
 fig, axes = plt.subplots(1, 3, figsize=(12, 3.6), sharey=True)
 for ax, (weight, label) in zip(axes, names.items(), strict=True):
-    w = weight_of(lens, lens.part("all"), weight)(x, y) * inside
+    w = weight_of(plate, plate.part("all"), weight)(x, y) * inside
     ax.contour(x, y, w, levels=np.nanmax(w) * np.linspace(0, 0.9, 12))
     ax.set(title=label, aspect="equal")
 fig.tight_layout()

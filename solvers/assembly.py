@@ -1,6 +1,7 @@
 r"""Assembly of quadratic functionals of a spline: matrix and load of a space.
 
-For coefficients :math:`C_{\alpha\alpha'}` and :math:`b_\alpha` at quadrature points, weights included, the assembler adds
+For coefficients :math:`C_{\alpha\alpha'}` and :math:`b_\alpha` at quadrature points, weights included, the assembler
+adds
 
 .. math::
 
@@ -8,11 +9,13 @@ For coefficients :math:`C_{\alpha\alpha'}` and :math:`b_\alpha` at quadrature po
         \partial^\alpha B_i(x_k)\, \partial^{\alpha'} B_j(x_k), \qquad
     f_i \mathrel{+}= \sum_k \sum_\alpha b_\alpha(x_k)\, \partial^\alpha B_i(x_k)
 
-over all B-splines, and finally passes to the unknowns of the space, :math:`E A E^T` and :math:`E f` with the extension E
-of :mod:`solvers.extension`. The multi-indices are numbered as in :func:`rfm.calculus.jets.multi_indices`.
+over all B-splines, and finally passes to the unknowns of the space, :math:`E A E^T` and :math:`E f` with the
+extension E of :mod:`solvers.extension`. The multi-indices are numbered as in
+:func:`rfm.calculus.jets.multi_indices`.
 
-Each kind of batch has its own element integrals (:mod:`solvers.assembly_tensor`, :mod:`solvers.assembly_points`); both use
-the parities of :mod:`solvers.assembly_parity` and add to the stencil of :mod:`solvers.assembly_stencil`.
+Each kind of batch has its own element integrals (:mod:`solvers.assembly_tensor`,
+:mod:`solvers.assembly_points`); both use the parities of :mod:`solvers.assembly_parity` and add to the stencil of
+:mod:`solvers.assembly_stencil`.
 """
 
 from __future__ import annotations

@@ -92,16 +92,17 @@ def table(phi: Array, kind: Kind) -> Array:
     -------
     ndarray, shape (..., number of entries)
     """
+    result: Array
     if len(kind) == 1:
-        return phi[kind[0]]
+        result = phi[kind[0]]
+        return result
     r, s, sign = kind
     pair = pairs(phi.shape[-1] - 1, sign)
     upper = pair.lower + pair.offset
-    product: Array = phi[r][..., pair.lower] * phi[s][..., upper]
-    if r == s:
-        return product
-    product += sign * phi[s][..., pair.lower] * phi[r][..., upper]
-    return product
+    result = phi[r][..., pair.lower] * phi[s][..., upper]
+    if r != s:
+        result += sign * phi[s][..., pair.lower] * phi[r][..., upper]
+    return result
 
 
 @lru_cache(maxsize=256)
@@ -130,7 +131,7 @@ def matrix_forms(
     for key in keys:
         alpha, other = indices[key[0]], indices[key[1]]
         scale = _scale(spacing, alpha) * _scale(spacing, other)
-        choices = [((r, r, 1),) if r == s else (_kind(r, s, 1), _kind(r, s, -1)) for r, s in zip(alpha, other, strict=True)]
+        choices = [_kinds(r, s) for r, s in zip(alpha, other, strict=True)]
         mixed = sum(len(choice) - 1 for choice in choices)
         twice = symmetric and key[0] != key[1]
         for kinds in itertools.product(*choices):
@@ -174,8 +175,10 @@ def entries(form: Form, degree: int, axis: int) -> int:
     return len(pairs(degree, form.parity[axis]).lower) if form.parity else degree + 1
 
 
-def _kind(r: int, s: int, sign: int) -> Kind:
-    return (min(r, s), max(r, s), sign)
+def _kinds(r: int, s: int) -> Kinds:
+    """Kinds that the pair of orders r and s splits into."""
+    low, high = min(r, s), max(r, s)
+    return ((r, r, 1),) if r == s else ((low, high, 1), (low, high, -1))
 
 
 def _scale(spacing: Sequence[float], alpha: Sequence[int]) -> float:

@@ -49,13 +49,15 @@ def element_entries(form: Form, degree: int, nodes: Array, blocks: Mapping[Key, 
             total = sum(scale * blocks[key] for key, scale in matching[0][1])
             return np.asarray(total)[:, :, None]
         heads = sorted({kinds[level - 1] for kinds, _ in matching})
-        result: Array | None = None
-        for head in heads:
-            left = product((head, *suffix), level - 1)
-            term = (left[:, :, :, None] * factor(level - 1, head)[:, :, None, :]).reshape(*left.shape[:2], -1)
-            result = term if result is None else np.add(result, term, out=result)
-        assert result is not None  # noqa: S101 - every suffix has a term
+        result = multiplied(product((heads[0], *suffix), level - 1), factor(level - 1, heads[0]))
+        for head in heads[1:]:
+            result += multiplied(product((head, *suffix), level - 1), factor(level - 1, head))
         return result
+
+    def multiplied(left: Array, right: Array) -> Array:
+        """Outer products point by point, shape (n, q, entries so far)."""
+        joined: Array = (left[:, :, :, None] * right[:, :, None, :]).reshape(*left.shape[:2], -1)
+        return joined
 
     last = sorted({kinds[-1] for kinds, _ in form.terms})
     left = np.concatenate([product((kind,), dimension - 1) for kind in last], axis=1)

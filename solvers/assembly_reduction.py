@@ -22,6 +22,8 @@ DENSE = 700
 """Up to this many relevant indices the matrix is always an array."""
 DENSE_COUPLED = 6000
 """Up to this many it is one when an index couples to a tenth of the others."""
+COLUMNS = 128
+"""Columns multiplied at a time."""
 
 
 def reduce_load(load: Array, free: Extension) -> Array:
@@ -36,21 +38,35 @@ def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
     """Matrix of the unknowns: an array when it is small or full anyway, else CSR."""
     relevant = len(free.dofs) + len(free.outer)
     coupled = 10 * (2 * stencil.degree + 1) ** len(stencil.shape) >= relevant
-    if relevant <= DENSE or (coupled and relevant <= DENSE_COUPLED):
-        build, extension = stencil.dense, _dense_extension(free)
-    else:
-        build, extension = stencil.sparse, _sparse_extension(free)
-    inner = build(free.dofs, free.dofs)
+    build = stencil.dense if relevant <= DENSE or (coupled and relevant <= DENSE_COUPLED) else stencil.sparse
+    extension = _dense_extension(free) if relevant <= DENSE else _sparse_extension(free)
+    result = build(free.dofs, free.dofs)
     if not len(free.outer):
-        return inner
-    mixed = build(free.outer, free.dofs)
-    outer = build(free.outer, free.outer)
+        return result
+    # sums in place: for large arrays fresh memory costs more than the arithmetic
+    half = build(free.outer, free.dofs)
+    image = _product(extension, build(free.outer, free.outer))
     if symmetric:
-        half = extension @ (mixed + 0.5 * (outer @ extension.T))
-        return inner + (half + half.T)
-    left = extension @ mixed
-    right = (build(free.dofs, free.outer) + extension @ outer) @ extension.T
-    return inner + left + right
+        image *= 0.5
+        half += image.T
+        half = _product(extension, half)
+        result += half
+        result += half.T
+    else:
+        result += _product(extension, half)
+        result += _product(extension, (build(free.dofs, free.outer) + image).T).T
+    return result
+
+
+def _product(extension: Any, matrix: Any) -> Any:
+    """``X M``; a full M in blocks of columns that stay in the cache."""
+    if not isinstance(matrix, np.ndarray) or isinstance(extension, np.ndarray):
+        return extension @ matrix
+    result = np.empty((extension.shape[0], matrix.shape[1]))
+    for start in range(0, matrix.shape[1], COLUMNS):
+        piece = slice(start, start + COLUMNS)
+        result[:, piece] = extension @ np.ascontiguousarray(matrix[:, piece])
+    return result
 
 
 def _dense_extension(free: Extension) -> Array:

@@ -11,7 +11,7 @@ and there is nothing to sort.
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -39,88 +39,72 @@ class Stencil:
     def __init__(self, shape: tuple[int, ...], degree: int) -> None:
         self.shape, self.degree = shape, degree
         self.size = int(np.prod(shape))
-        self.length = (degree + 1) ** len(shape) * self.size
-        # one more number, always zero: where entries outside the band are read from
         self.values: dict[Parity, Array] = {}
 
     def array(self, parity: Parity) -> Array:
         """Flat storage of one parity."""
         if parity not in self.values:
-            self.values[parity] = np.zeros(self.length + 1)
+            self.values[parity] = np.zeros((self.degree + 1) ** len(self.shape) * self.size)
         return self.values[parity]
 
     def dense(self, rows: Indices, columns: Indices) -> Array:
-        """Submatrix of flat indices `rows` and `columns`."""
+        """Submatrix of flat indices `rows` and `columns` (ascending) as an array."""
         result = np.zeros((len(rows), len(columns)))
-        if not (len(rows) and len(columns)):
-            return result
-        row, column = np.unravel_index(rows, self.shape), np.unravel_index(columns, self.shape)
-        step = max(1, WORK // len(columns))
-        for start in range(0, len(rows), step):
-            piece = slice(start, start + step)
-            where = np.zeros((len(rows[piece]), len(columns)), dtype=np.intp)
-            for axis, line in enumerate(self._line_positions):
-                where += line[row[axis][piece]][:, column[axis]]
-            np.minimum(where, self.length, out=where)
-            for parity, values in self.values.items():
-                found = values[where]
-                for axis, sign in enumerate(parity):
-                    if sign < 0:
-                        found *= np.sign(column[axis][None, :] - row[axis][piece, None])
-                result[piece] += found
+        for row, column, _, values in self._entries(rows, columns):
+            result[row, column] = values
         return result
 
     def sparse(self, rows: Indices, columns: Indices) -> Any:
-        """Submatrix of flat indices `rows` and `columns` (ascending) as a CSR matrix without zeros."""
+        """Submatrix of flat indices `rows` and `columns` (ascending) as a CSR matrix."""
         from scipy.sparse import csr_array
 
+        data, indices, counts = [np.zeros(0)], [np.zeros(0, np.int32)], [np.zeros(1, np.intp)]
+        for _, column, count, values in self._entries(rows, columns):
+            data.append(values)
+            indices.append(column)
+            counts.append(count)
+        pointer = np.cumsum(np.concatenate(counts))
+        return csr_array(
+            (np.concatenate(data), np.concatenate(indices), pointer), shape=(len(rows), len(columns))
+        )
+
+    def _entries(
+        self, rows: Indices, columns: Indices
+    ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.intp], Array]]:
+        """Entries inside the band, row by row, a chunk of rows at a time.
+
+        Yields
+        ------
+        tuple
+            Positions in `rows` and in `columns`, the number of entries in each row of the chunk, and the values.
+        """
         p, dimension = self.degree, len(self.shape)
         number = self._numbering(columns)
-        margin_strides = _strides(number.shape)
+        padded_strides = _strides(number.shape)
         offsets = np.indices((2 * p + 1,) * dimension).reshape(dimension, -1) - p
-        strides = _strides(self.shape)
-        powers = np.array([(p + 1) ** (dimension - 1 - axis) for axis in range(dimension)])
-        shift = (powers @ np.abs(offsets)) * self.size + strides @ np.minimum(offsets, 0)
-        row = np.stack(np.unravel_index(rows, self.shape))
-        padded = margin_strides @ (row + p)
-        neighbour = margin_strides @ offsets
+        weights = (p + 1) ** np.arange(dimension)[::-1]
+        shift = (weights @ np.abs(offsets)) * self.size + _strides(self.shape) @ np.minimum(offsets, 0)
+        neighbour = padded_strides @ offsets
+        centre = padded_strides @ (np.stack(np.unravel_index(rows, self.shape)) + p)
         signs = {
-            parity: np.prod([np.sign(offsets[a]) for a, s in enumerate(parity) if s < 0], axis=0, dtype=float)
+            parity: np.prod([np.sign(offsets[axis]) for axis, sign in enumerate(parity) if sign < 0], axis=0)
             for parity in self.values
         }
-        data, indices, counts = [], [], [np.zeros(1, dtype=np.intp)]
+        numbers = number.ravel()
         step = max(1, WORK // offsets.shape[1])
-        flat_number = number.ravel()
         for start in range(0, len(rows), step):
             piece = slice(start, start + step)
-            target = flat_number[padded[piece, None] + neighbour]
+            target = numbers[centre[piece, None] + neighbour]
             inside = target >= 0
-            where = (np.asarray(rows)[piece, None] + shift)[inside]
-            entries = np.zeros(len(where))
-            for parity, values in self.values.items():
-                factor = np.broadcast_to(signs[parity], inside.shape)[inside] if min(parity) < 0 else 1.0
-                entries += factor * values[where]
-            kept = entries != 0.0
-            data.append(entries[kept])
-            indices.append(target[inside][kept])
-            present = np.zeros(inside.shape, dtype=bool)
-            present[inside] = kept
-            counts.append(present.sum(axis=1))
-        pointer = np.cumsum(np.concatenate(counts))
-        joined = (np.concatenate([*data, np.zeros(0)]), np.concatenate([*indices, np.zeros(0, np.int32)]), pointer)
-        return csr_array(joined, shape=(len(rows), len(columns)))
-
-    @cached_property
-    def _line_positions(self) -> list[NDArray[np.intp]]:
-        """Position of an index pair in one direction; beyond the storage for pairs outside the band."""
-        strides = _strides(self.shape)
-        result = []
-        for axis, n in enumerate(self.shape):
-            i, j = np.arange(n)[:, None], np.arange(n)[None, :]
-            step = (self.degree + 1) ** (len(self.shape) - 1 - axis) * self.size
-            position = np.minimum(i, j) * strides[axis] + np.abs(i - j) * step
-            result.append(np.where(np.abs(i - j) <= self.degree, position, self.length))
-        return result
+            where = (rows[piece, None] + shift)[inside]
+            values = np.zeros(len(where))
+            for parity, stored in self.values.items():
+                if min(parity) > 0:
+                    values += stored[where]
+                else:
+                    values += np.broadcast_to(signs[parity], inside.shape)[inside] * stored[where]
+            count = inside.sum(axis=1)
+            yield np.repeat(np.arange(start, start + len(count)), count), target[inside], count, values
 
     def _numbering(self, columns: Indices) -> NDArray[np.int32]:
         """Position of each index in `columns`, -1 elsewhere, with a margin of p around the full array."""

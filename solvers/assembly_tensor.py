@@ -29,7 +29,7 @@ class Leaf:
 
     sources: Sources
 
-    def fill(self, blocks: Mapping[Key, Array], out: Array, work: list[Array]) -> None:  # noqa: ARG002
+    def fill(self, blocks: Mapping[Key, Array], out: Array, work: list[Array]) -> None:
         """Write the sum, nodes first and cells last, to `out`."""
         target = out.reshape(-1, next(iter(blocks.values())).shape[0])
         for number, (key, factor) in enumerate(self.sources):
@@ -67,7 +67,9 @@ class Contraction:
         buffer = _view(work, self.level, (self.lead, len(self.children), depth // len(self.children) * rest))
         for number, child in enumerate(self.children):
             child.fill(blocks, buffer[:, number], work)
-        np.matmul(self.stacked, buffer.reshape(self.lead, depth, rest), out=out.reshape(self.lead, rows, rest))
+        np.matmul(
+            self.stacked, buffer.reshape(self.lead, depth, rest), out=out.reshape(self.lead, rows, rest)
+        )
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,9 @@ def plan(form: Form, degree: int, nodes: Array) -> TensorPlan:
         heads = sorted({kinds[level - 1] for kinds, _ in matching})
         stacked = np.concatenate([table(phi, head).T for head in heads], axis=1)
         children = tuple(node((head, *suffix), level - 1) for head in heads)
-        return Contraction(level - 1, int(np.prod(counts[: level - 1])), np.ascontiguousarray(stacked), children)
+        return Contraction(
+            level - 1, int(np.prod(counts[: level - 1])), np.ascontiguousarray(stacked), children
+        )
 
     root = node((), dimension)
     if not isinstance(root, Contraction):

@@ -14,7 +14,7 @@ import numpy as np
 
 from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
-from solvers.grid import Grid
+from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.splines import tables
 
@@ -22,7 +22,9 @@ WORK = 4_000_000
 """Numbers in the working arrays of one chunk of scattered points."""
 
 
-def evaluate(coefficients: Array, grid: Grid, degree: int, batch: TensorBatch | PointBatch, order: int = 0) -> Array:
+def evaluate(
+    coefficients: Array, grid: Grid, degree: int, batch: TensorBatch | PointBatch, order: int = 0
+) -> Array:
     """Partial derivatives of a spline at the points of `batch`.
 
     Parameters
@@ -64,7 +66,7 @@ def evaluate(coefficients: Array, grid: Grid, degree: int, batch: TensorBatch | 
     return result
 
 
-def _local(coefficients: Array, cells: Array, degree: int) -> Array:
+def _local(coefficients: Array, cells: Integers, degree: int) -> Array:
     """Coefficients of the B-splines on each cell, shape (n, p+1, ..., p+1)."""
     windows = np.lib.stride_tricks.sliding_window_view(coefficients, (degree + 1,) * coefficients.ndim)
     found: Array = windows[tuple(np.asarray(cells).T)]

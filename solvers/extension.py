@@ -83,8 +83,8 @@ def extend(inner: Mask, relevant: Mask, degree: int) -> Extension:
     Parameters
     ----------
     inner, relevant
-        Marked indices, both of the full shape; the arrays of inner indices must not be empty when some relevant
-        index is not inner (see :func:`full_arrays`).
+        Marked indices, both of the full shape. There must be an inner one: with the cell in its support come the
+        other indices of an array.
     degree
         Degree p.
     """
@@ -102,7 +102,8 @@ def extend(inner: Mask, relevant: Mask, degree: int) -> Extension:
     coefficients = np.ones((len(outer), 1))
     for axis in range(dimension):
         factor = _lagrange(shift[:, axis], degree)
-        coefficients = (coefficients[:, :, None] * factor[:, None, :]).reshape(len(outer), -1)
+        width = coefficients.shape[1] * factor.shape[1]
+        coefficients = (coefficients[:, :, None] * factor[:, None, :]).reshape(len(outer), width)
     return Extension(dofs, outer, sources, coefficients)
 
 
@@ -133,11 +134,13 @@ def _lagrange(position: Indices, degree: int) -> Array:
 def _window(dimension: int, degree: int, reach: int) -> Indices:
     """Shifts ``j - l`` with j at most `reach` outside the array, sorted from near to far, shape (n, d)."""
     line = np.arange(-reach, degree + reach + 1)
-    growth = np.log(np.abs(_lagrange(line, degree)).sum(axis=1))  # logarithm of the sum of |e| in one direction
+    growth = np.log(
+        np.abs(_lagrange(line, degree)).sum(axis=1)
+    )  # logarithm of the sum of |e| in one direction
     off_centre = (line - degree / 2) ** 2
     grids = np.meshgrid(*[np.arange(len(line))] * dimension, indexing="ij")
-    cost = sum(growth[g] for g in grids).ravel()
-    tie = sum(off_centre[g] for g in grids).ravel()
+    cost = np.sum([growth[g] for g in grids], axis=0).ravel()
+    tie = np.sum([off_centre[g] for g in grids], axis=0).ravel()
     order = np.lexsort((tie, np.round(cost, 9)))
     return np.stack([line[g.ravel()[order]] for g in grids], axis=-1)
 

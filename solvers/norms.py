@@ -20,7 +20,7 @@ from solvers.background import Background
 from solvers.boundary import boundary_batches, residual
 from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
-from solvers.quadrature.batch import inner_rule
+from solvers.quadrature.tensor import inner_rule
 from solvers.solution import Solution, Trial
 
 CHUNK = 150_000

@@ -58,13 +58,17 @@ class Trial:
             The points do not have d columns.
         """
         where = np.atleast_2d(np.asarray(points, dtype=float))
-        dimension = len(self.grid.cells)
+        dimension = self.grid.dimension
         if where.ndim != 2 or where.shape[1] != dimension:
             raise ValueError(f"points must have shape (n, {dimension}), got {where.shape}")
         starts = range(0, max(len(where), 1), CHUNK)
-        pieces = [self.jet(PointBatch.at(self.grid, where[s : s + CHUNK]), order)[:, :, 0] for s in starts]
-        joined: Array = np.concatenate(pieces, axis=1)
+        joined: Array = np.concatenate([self._scattered(where[s : s + CHUNK], order) for s in starts], axis=1)
         return joined
+
+    def _scattered(self, points: Array, order: int) -> Array:
+        cells, unit = self.grid.locate(points)
+        batch = PointBatch(cells, unit[:, None, :], np.ones((len(points), 1)))
+        return self.jet(batch, order)[:, :, 0]
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,15 @@ def trial_structure(problem: Problem, weight: str) -> Operator:
     return dirichlet(problem.domain, data, weight=weight)
 
 
+def prescribed_values(problem: Problem) -> list[tuple[Part, Field]]:
+    """Dirichlet parts with their values, those from the exact solution included."""
+    return [
+        (c.part, require_exact(problem) if isinstance(c.value, FromExact) else as_field(c.value))
+        for c in problem.conditions
+        if isinstance(c, Dirichlet)
+    ]
+
+
 def as_field(datum: Field | float) -> Field:
     """Return `datum` as a field, numbers as constants."""
     if callable(datum):

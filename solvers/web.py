@@ -21,22 +21,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
-from solvers.classify import Classification
 from solvers.evaluation import evaluate
-from solvers.extension import Extension, Mask, extend, full_arrays, no_extension, touched
+from solvers.extension import Extension, Mask, extend, no_extension, touched
 from solvers.grid import Grid
 from solvers.splines import require_degree
 
+if TYPE_CHECKING:
+    from solvers.classify import Classification
+
 __all__ = ["BASES", "SplineSpace", "evaluate"]
 
-Finer = Callable[[int], Classification]
+Finer: TypeAlias = "Callable[[int], Classification]"
 INNER = 1
 TRIAL_CELLS = 2_000_000
 """Largest grid, in cells, that is tried in search of a remedy."""
@@ -135,15 +137,15 @@ def web_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) 
     Raises
     ------
     DiscretizationError
-        There is no array of ``(p+1)^d`` inner indices to extend from.
+        No whole cell lies in the domain, hence there is no array of ``(p+1)^d`` inner indices to extend from (one
+        such cell is enough: all indices on it are inner).
     """
-    inner = touched(inside, degree)
-    if not full_arrays(inner, degree).any():
-        raise DiscretizationError(_too_coarse(inside, degree, finer))
-    return extend(inner, relevant, degree)
+    if not inside.any():
+        raise DiscretizationError(_too_coarse(inside.shape, degree, finer))
+    return extend(touched(inside, degree), relevant, degree)
 
 
-def b_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:  # noqa: ARG001
+def b_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:
     """All relevant indices free."""
     return no_extension(relevant, relevant.ndim, degree)
 
@@ -155,39 +157,24 @@ BASES: dict[str, Callable[[Mask, Mask, int, Finer | None], Extension]] = {
 """The bases by name."""
 
 
-def _too_coarse(inside: Mask, degree: int, finer: Finer | None) -> str:
+def _too_coarse(cells: tuple[int, ...], degree: int, finer: Finer | None) -> str:
     """Say why WEB-splines cannot be built, and what would do."""
-    cells = inside.shape
     array = "x".join([str(degree + 1)] * len(cells))
-    message = (
-        f"the grid of {'x'.join(map(str, cells))} cells is too coarse for WEB-splines of degree {degree}: "
-        f"no {array} array of B-splines with a whole cell in the domain"
+    needed = _grid_that_does(max(cells), len(cells), finer)
+    remedy = f"use grid: {needed}" if needed else "use a finer grid"
+    return (
+        f"the grid of {'x'.join(map(str, cells))} cells is too coarse for WEB-splines: no whole cell lies in the "
+        f"domain, so there is no {array} array of inner splines to extend from; {remedy}, or basis: b-spline"
     )
-    remedies = []
-    needed = _grid_that_does(max(cells), degree, len(cells), finer)
-    if needed:
-        remedies.append(f"use grid: {needed}")
-    elif finer is None:
-        remedies.append("use a finer grid")
-    lower = next((q for q in range(degree - 1, 0, -1) if _extendable(inside, q)), None)
-    if lower:
-        remedies.append(f"degree: {lower}")
-    remedies.append("basis: b-spline")
-    return f"{message}; {', or '.join(remedies)}"
 
 
-def _grid_that_does(cells: int, degree: int, dimension: int, finer: Finer | None) -> int | None:
-    """Smallest number of cells, in steps of a quarter, for which the extension exists."""
+def _grid_that_does(cells: int, dimension: int, finer: Finer | None) -> int | None:
+    """Number of cells along the longest side, found in steps of a quarter, at which a whole cell lies inside."""
     if finer is None:
         return None
     while True:
         cells = max(cells + 1, int(np.ceil(1.25 * cells)))
         if cells**dimension > TRIAL_CELLS:
             return None
-        if _extendable(finer(cells).state == INNER, degree):
+        if (finer(cells).state == INNER).any():
             return cells
-
-
-def _extendable(inside: Mask, degree: int) -> bool:
-    """Whether there is an array of inner indices to extend from."""
-    return bool(full_arrays(touched(inside, degree), degree).any())

@@ -3,14 +3,13 @@
 w vanishes exactly on the parts with conditions, to first order, and is smooth and positive elsewhere
 (:func:`rfm.geometry.weight.weight`); u0 takes the data.  Every psi then satisfies all conditions exactly
 (Kantorovich's method; Shapiro, Acta Numerica 16, 2007, section 7).  Data that differ from part to part
-are joined by transfinite interpolation (7.10)-(7.12); parts that share one formula are one piece, so that
-the common case needs no interpolation and u0 stays as smooth as the data.
+are joined (:mod:`structures.joining`); parts that share one formula are one piece, so that the common case
+needs no interpolation and u0 stays as smooth as the data.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 from typing import Any
@@ -20,21 +19,9 @@ from rfm.errors import StructureError
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from rfm.geometry.weight import weight as weight_field
-from structures.corners import meeting_points
 from structures.field_expression import Constant, FieldExpr, field
+from structures.joining import Piece, join
 from structures.operator import Operator, unknown
-from structures.transfinite import interpolate
-
-APART_EXPONENT = 1.0
-MEETING_EXPONENT = 2.0
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """A maximal set of parts that carry one formula."""
-
-    part: Part
-    value: FieldExpr
 
 
 def merge(data: Sequence[tuple[Part, Field | FieldExpr | float]]) -> list[Piece]:
@@ -44,28 +31,14 @@ def merge(data: Sequence[tuple[Part, Field | FieldExpr | float]]) -> list[Piece]
     for part, value in data:
         key = _formula(value)
         parts.setdefault(key, []).append(part)
-        values.setdefault(key, field(value))
+        values.setdefault(key, Constant(key) if isinstance(key, float) else field(value))
     return [Piece(reduce(lambda a, b: a | b, parts[key]), values[key]) for key in parts]
-
-
-def boundary_values(domain: Shape, pieces: Sequence[Piece], weight: str = "auto") -> FieldExpr:
-    """Return u0, equal to the value of every piece on its part.
-
-    Exponents of the interpolation are 1 between parts that do not meet and 2 otherwise
-    (no pole may run out of a common corner into cells that the boundary cuts).
-    """
-    if len(pieces) == 1:
-        return pieces[0].value
-    meet = any(len(meeting_points(domain, a.part, b.part)) for a, b in combinations(pieces, 2))
-    omegas = [weight_field(domain, piece.part, weight) for piece in pieces]
-    exponent = MEETING_EXPONENT if meet else APART_EXPONENT
-    return interpolate([(p.value, omega) for p, omega in zip(pieces, omegas, strict=True)], exponent)
 
 
 def dirichlet(
     domain: Shape,
     data: Sequence[tuple[Part, Field | FieldExpr | float]],
-    weight: str = "auto",
+    weight: str | Field = "auto",
     extra: Field | None = None,
 ) -> Operator:
     """Return u = u0 + w psi with u = g_i on part i for every psi.
@@ -77,7 +50,8 @@ def dirichlet(
     data
         Pairs (part of its boundary, value there).  Empty: no condition, u = psi.
     weight
-        How weights are built, see :func:`rfm.geometry.weight.weight`.
+        How weights are built, see :func:`rfm.geometry.weight.weight`; or w itself, when the caller has
+        already built one that vanishes on all of the parts (it is then evaluated once only).
     extra
         A field added to psi, u = u0 + w (extra + psi): a guess or a singular function that the spline need not
         find, without disturbing the conditions.
@@ -95,18 +69,24 @@ def dirichlet(
     pieces = merge(data)
     _refuse_contradictions(pieces)
     everywhere = reduce(lambda a, b: a | b, (piece.part for piece in pieces))
-    w = field(weight_field(domain, everywhere, weight))
-    return boundary_values(domain, pieces, weight) + w * psi
+    system = weight if isinstance(weight, str) else "auto"
+    w = weight_field(domain, everywhere, weight) if isinstance(weight, str) else weight
+    return join(domain, pieces, system) + field(w) * psi
 
 
 def _formula(value: Field | FieldExpr | float) -> Any:
-    """Return a key that is equal for equal formulas."""
+    """Return a key that is equal for equal formulas: a float for constants, whatever form they come in."""
     if not callable(value):
         return float(value)
     if isinstance(value, Constant):
         return value.value
     source = getattr(value, "source", None)
-    return id(value) if source is None else (source, repr(getattr(value, "parameters", None)))
+    if source is None:
+        return id(value)
+    try:
+        return float(source)
+    except ValueError:
+        return source, repr(getattr(value, "parameters", None))
 
 
 def _refuse_contradictions(pieces: Sequence[Piece]) -> None:

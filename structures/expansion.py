@@ -36,8 +36,8 @@ def expand(requests: Sequence[tuple[FieldExpr, int]], coords: Sequence[Array]) -
     dimension = len(coords)
     nodes = children_first([f for f, _ in requests], lambda node: node.children)
     orders = _orders(requests, nodes)
-    coordinates = {order: variables(tuple(coords), order) for order in set(orders.values()) - {0}}
-    coordinates[0] = tuple(coords)
+    coordinates: dict[int, Sequence[Value]] = {0: coords}
+    coordinates |= {order: variables(coords, order) for order in set(orders.values()) - {0}}
     values: dict[int, Value] = {}
     for node in nodes:
         key = _key(node)

@@ -194,8 +194,8 @@ class _Power:
         return value**self.exponent
 
 
-ZERO = Constant(0.0)
-ONE = Constant(1.0)
+ZERO: FieldExpr = Constant(0.0)
+ONE: FieldExpr = Constant(1.0)
 _NUMBERS = (int, float, np.integer, np.floating)
 
 

@@ -142,7 +142,9 @@ def _matrix(op: Operator, values: Iterator[Value], points: tuple[int, ...], orde
             value = scaled(factor, taylor[source])
             found[position] = found[position] + value if position in found else value
     spread = {
-        psi: {position: np.broadcast_to(np.asarray(value, float), points) for position, value in found.items()}
+        psi: {
+            position: np.broadcast_to(np.asarray(value, float), points) for position, value in found.items()
+        }
         for psi, found in entries.items()
     }
     return JetMatrix(op.dimension, order, op.order, offset, spread)

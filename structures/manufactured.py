@@ -23,6 +23,7 @@ import numpy as np
 from rfm.calculus.functions import exp, sin
 from rfm.calculus.types import Field, Value
 from rfm.geometry.box import Box
+from structures.contact import finite_box
 from structures.field_expression import FieldExpr, field
 
 # Slopes and phases without rational relations to each other or to the coordinate axes.
@@ -48,12 +49,11 @@ class GenericField:
 
 
 def generic_field(box: Box) -> GenericField:
-    """Return the fixed q of order one in the coordinates of ``box``; infinite sides count as unit intervals."""
-    lower, upper = np.array(box.lower, float), np.array(box.upper, float)
-    finite = np.isfinite(lower) & np.isfinite(upper) & (upper > lower)
-    center = np.where(finite, (np.where(finite, lower, 0) + np.where(finite, upper, 0)) / 2, 0.0)
-    half = np.where(finite, (np.where(finite, upper, 1) - np.where(finite, lower, -1)) / 2, 1.0)
-    return GenericField(tuple(center.tolist()), tuple(half.tolist()))
+    """Return the fixed q of order one in the coordinates of ``box``."""
+    finite = finite_box(box)
+    lower, upper = np.array(finite.lower), np.array(finite.upper)
+    half = np.where(upper > lower, (upper - lower) / 2, 1.0)
+    return GenericField(tuple(((lower + upper) / 2).tolist()), tuple(half.tolist()))
 
 
 def manufactured_extension(exact: Field, weight: Field, box: Box) -> FieldExpr:

@@ -156,7 +156,7 @@ def differentiated(op: Operator, axis: int) -> Operator:
     return _collect(op.dimension, differentiate(op.offset, step), tuple(terms))
 
 
-def D(w: FieldExpr | Field, op: Operator) -> Operator:  # noqa: N802 - the paper's name
+def D(w: FieldExpr | Field, op: Operator) -> Operator:
     """Return grad w . grad u, the normal derivative on w = 0 when w is normalised (Shapiro 2007, section 7)."""
     result = known(op.dimension, 0.0)
     for axis in range(op.dimension):

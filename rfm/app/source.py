@@ -111,7 +111,9 @@ class Document:
             return CaseError(message, path=dotted(path), place=self.name)
         if isinstance(found, str):
             shown = excerpt(found, offset + 1) if offset is not None else ""
-            return CaseError(message, path=dotted(path), place=f"--set {dotted(written)}={found}", excerpt=shown)
+            return CaseError(
+                message, path=dotted(path), place=f"--set {dotted(written)}={found}", excerpt=shown
+            )
         at_key = found.key is not None and (key or written != path)
         mark = found.key if at_key and found.key is not None else found.value
         line, column = mark.line, mark.column
@@ -152,7 +154,11 @@ class Document:
                 position = self.text.find(character, position, mark.end) + 1
                 if position == 0:  # an escape sequence: point to the beginning of the value
                     return mark.line, mark.column
-        while offset < len(value) and not value[offset].isspace() and self.text[position : position + 1].isspace():
+        while (
+            offset < len(value)
+            and not value[offset].isspace()
+            and self.text[position : position + 1].isspace()
+        ):
             position += 1
         before = self.text[:position]
         return before.count("\n") + 1, position - before.rfind("\n")
@@ -203,7 +209,9 @@ def parse_value(key: str, text: str) -> Any:
     try:
         return read(text)[0]
     except YamlError as error:
-        raise CaseError(error.message, place=f"--set {key}={text}", excerpt=excerpt(text, error.column)) from error
+        raise CaseError(
+            error.message, place=f"--set {key}={text}", excerpt=excerpt(text, error.column)
+        ) from error
 
 
 def from_text(text: str, name: str) -> Document:

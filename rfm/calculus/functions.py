@@ -16,11 +16,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rfm.calculus import enclosures
+from rfm.calculus import enclosures, taylor
 from rfm.calculus.intervals import Interval
 from rfm.calculus.jets import Jet, variables
 from rfm.calculus.selection import absolute, maximum, minimum, namespace, sign, where
-from rfm.calculus.taylor import antiderivative
 from rfm.calculus.types import Value
 
 __all__ = [
@@ -94,7 +93,7 @@ def _integral(value: Value, slope: Function, v: Value, order: int) -> list[Value
         return [value]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         (t,) = variables((v,), order - 1)
-        return antiderivative(value, slope(t).coefficients)
+        return taylor.antiderivative(value, slope(t).coefficients)
 
 
 def _riccati(value: Value, plus: float, order: int) -> list[Value]:
@@ -170,6 +169,9 @@ def square(x: Value) -> Value:
 
 def power(x: Value, exponent: Value) -> Value:
     """Return x**exponent; whole exponents by repeated multiplication, others for x >= 0."""
+    if isinstance(x, np.ndarray) and isinstance(exponent, int | float) and 0 < exponent <= 64:
+        n = int(exponent)
+        return taylor.repeated_product(x, n) if n == exponent else x**exponent
     return x**exponent
 
 

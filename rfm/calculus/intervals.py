@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from rfm.calculus.taylor import repeated_product
 from rfm.calculus.tri_state import TriState
 from rfm.calculus.types import Value
 
@@ -141,19 +142,17 @@ class Interval:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Value) -> Interval:
-        if isinstance(other, Interval):
-            return other._reciprocal() * self
-        if not _is_point(other):
-            return NotImplemented
         if isinstance(other, int | float) and other != 0.0:
             a, b = self.lo / other, self.hi / other
             return _outward(a, b) if other > 0.0 else _outward(b, a)
-        return Interval.of(other)._reciprocal() * self
+        if not isinstance(other, Interval) and not _is_point(other):
+            return NotImplemented
+        return self * Interval.of(other)._reciprocal()
 
     def __rtruediv__(self, other: Value) -> Interval:
         if not _is_point(other):
             return NotImplemented
-        return self._reciprocal() * other
+        return Interval.of(other) * self._reciprocal()
 
     def _reciprocal(self) -> Interval:
         """Return 1/x, the whole line where the interval contains 0."""
@@ -228,18 +227,6 @@ def _mignitude(x: Interval) -> Any:
     return np.maximum(np.maximum(x.lo, -x.hi), 0.0)
 
 
-def _repeated(x: Any, n: int) -> Any:
-    """Multiply x by itself, n >= 1 factors; relative error below n * 2^-53."""
-    result, factor = None, x
-    while True:
-        if n & 1:
-            result = factor if result is None else result * factor
-        n >>= 1
-        if n == 0:
-            return result
-        factor = factor * factor
-
-
 def _integer_power(x: Interval, n: int) -> Interval:
     """x**n, n >= 0, tight: even powers have their minimum at the point nearest 0."""
     if n == 0:
@@ -248,9 +235,9 @@ def _integer_power(x: Interval, n: int) -> Interval:
         return x
     with np.errstate(over="ignore", under="ignore"):
         if n % 2:
-            return _outward(_repeated(x.lo, n), _repeated(x.hi, n), ulps=n)
-        top = _repeated(np.maximum(np.abs(x.lo), np.abs(x.hi)), n)
-        bottom = _repeated(_mignitude(x), n)
+            return _outward(repeated_product(x.lo, n), repeated_product(x.hi, n), ulps=n)
+        top = repeated_product(np.maximum(np.abs(x.lo), np.abs(x.hi)), n)
+        bottom = repeated_product(_mignitude(x), n)
     result = _outward(bottom, top, ulps=n)
     return Interval(np.maximum(result.lo, 0.0), result.hi)
 

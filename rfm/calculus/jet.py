@@ -137,6 +137,8 @@ class Jet:
         return Jet(self.dim, self.order, taylor.quotient(constant, self.coefficients, space))
 
     def __pow__(self, exponent: Value) -> Jet:
+        if type(exponent) is int and exponent == 2:
+            return self._square()
         if isinstance(exponent, Jet):
             from rfm.calculus.functions import exp, log
 
@@ -165,16 +167,7 @@ class Jet:
 
     def _integer_power(self, n: int) -> Jet:
         """Multiply repeatedly, so that negative bases and zeros are as good as any."""
-        if n == 0:
-            return self * 0.0 + 1.0
-        factor = self
-        while n % 2 == 0:
-            factor, n = factor._square(), n // 2
-        result = factor
-        while n := n // 2:
-            factor = factor._square()
-            if n % 2:
-                result = result * factor
+        result: Jet = taylor.repeated_product(self, n) if n else self * 0.0 + 1.0
         return result
 
     # Comparisons look at the values: they steer `where`, they are not equalities of expansions.

@@ -57,9 +57,12 @@ def partials(field: Field, coords: Sequence[Array | float], order: int) -> Array
     """
     dim = len(coords)
     arrays = [np.asarray(x, dtype=np.float64) for x in coords]
-    shape = np.broadcast_shapes(*[x.shape for x in arrays])
-    result = np.empty((taylor_space(dim, order).starts[-1], *shape))
-    if result[0].size <= CHUNK:
+    shape = arrays[0].shape
+    if any(x.shape != shape for x in arrays):
+        shape = np.broadcast_shapes(*[x.shape for x in arrays])
+    count = taylor_space(dim, order).starts[-1]
+    result = np.empty((count, *shape))
+    if result.size <= CHUNK * count:
         _fill_partials(result, field, arrays, order)
         return result
     flat = [np.broadcast_to(x, shape).reshape(-1) for x in arrays]

@@ -26,7 +26,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 
-from rfm.calculus.functions import absolute, guarded_power, hypot, maximum, minimum, where
+from rfm.calculus.functions import absolute, guarded_power, hypot, maximum, minimum, power, where
 from rfm.calculus.intervals import Interval
 from rfm.calculus.jets import Jet
 from rfm.calculus.types import Value
@@ -137,7 +137,7 @@ class Rp(RSystem):
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return f + g + sign*(f^p + g^p)^(1/p)."""
         p = self.p
-        return _monotone(lambda a, b: a + b + sign * guarded_power(a**p + b**p, 1.0 / p), f, g)
+        return _monotone(lambda a, b: a + b + sign * guarded_power(power(a, p) + power(b, p), 1.0 / p), f, g)
 
 
 def equivalence(a: Value, b: Value, p: int = 2) -> Value:
@@ -157,7 +157,7 @@ def equivalence(a: Value, b: Value, p: int = 2) -> Value:
     """
     if p < 1:
         raise GeometryError(f"the R-equivalence needs p >= 1, got {p}")
-    powers = a**p + b**p if p % 2 == 0 else absolute(a) ** p + absolute(b) ** p
+    powers = power(a, p) + power(b, p) if p % 2 == 0 else power(absolute(a), p) + power(absolute(b), p)
     root = guarded_power(powers, 1.0 / p)
     value = root.value if isinstance(root, Jet) else root
     return a * b / where(value == 0.0, 1.0, root)

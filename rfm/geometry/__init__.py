@@ -5,6 +5,8 @@
 """
 
 from rfm.geometry.box import Box
+from rfm.geometry.distance import distance, normalise
+from rfm.geometry.extension import extend
 from rfm.geometry.part import Part
 from rfm.geometry.polygon import polygon
 from rfm.geometry.primitives import KINDS, function
@@ -12,6 +14,8 @@ from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, str
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
+from rfm.geometry.trimming import trimmed
+from rfm.geometry.weight import weight
 
 __all__ = [
     "KINDS",
@@ -24,14 +28,19 @@ __all__ = [
     "cone",
     "cylinder",
     "disk",
+    "distance",
     "ellipse",
     "ellipsoid",
+    "extend",
     "function",
     "half_plane",
     "half_space",
+    "normalise",
     "polygon",
     "rectangle",
     "slab",
     "strip",
     "torus",
+    "trimmed",
+    "weight",
 ]

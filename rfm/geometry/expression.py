@@ -138,7 +138,18 @@ def _joined(
     decided = {term.surface: term.positive for term in flat if isinstance(term, Literal)}
     if len(flat) > len(decided):
         flat = _propagated(flat, decided, neutral)
+        flat = _absorbed(flat)
     return flat[0] if len(flat) == 1 else node(tuple(flat))
+
+
+def _absorbed(terms: list[Expression]) -> list[Expression]:
+    """Use that ``E | (E & F) = E`` and ``E & (E | F) = E``."""
+    members = {term: frozenset(term.terms) for term in terms if isinstance(term, (Conjunction, Disjunction))}
+    return [
+        term
+        for term in terms
+        if term not in members or not any(other < members[term] for other in members.values())
+    ]
 
 
 def _propagated(terms: list[Expression], decided: dict[Surface, bool], neutral: bool) -> list[Expression]:

@@ -137,7 +137,12 @@ class _OnSome:
     def __call__(self, *coords: Value) -> Value:
         tests = []
         for part in self.parts:
-            gap = reduce(minimum, [absolute(surface.function(*coords)) for surface in part.surfaces])
-            near = _ON_CARRIER - gap
+            near = reduce(maximum, [_nearness(surface, coords) for surface in part.surfaces])
             tests.append(near if part.where is None else minimum(near, part.where(*coords)))
         return reduce(maximum, tests)
+
+
+def _nearness(surface: Surface, coords: tuple[Value, ...]) -> Value:
+    """Positive on the carrier up to rounding."""
+    scale = surface.size if np.isfinite(surface.size) else 1.0
+    return _ON_CARRIER * scale - absolute(surface.function(*coords))

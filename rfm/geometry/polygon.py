@@ -13,8 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rfm.calculus.types import Array, Value
 from rfm.errors import GeometryError
@@ -25,6 +28,8 @@ from rfm.geometry.expression import Expression, Literal, conjunction, disjunctio
 from rfm.geometry.shape import Shape
 from rfm.geometry.similarity import Similarity
 from rfm.geometry.surface import Piece, Surface
+
+Indices: TypeAlias = NDArray[np.intp]
 
 _SAME_LINE = 1e-12
 _SAME_DIRECTION = 1e-12
@@ -80,10 +85,7 @@ def _chain(path: Array, chain: list[int], literals: list[Literal], inside: bool)
     if len(chain) == 2:
         return literals[chain[0] % len(path)]
     breaks = _hull_of_chain(path[np.array(chain) % len(path)], right=inside)
-    terms = [
-        _chain(path, chain[first : last + 1], literals, not inside)
-        for first, last in zip(breaks[:-1], breaks[1:], strict=True)
-    ]
+    terms = [_chain(path, chain[first : last + 1], literals, not inside) for first, last in pairwise(breaks)]
     return conjunction(terms) if inside else disjunction(terms)
 
 
@@ -116,7 +118,7 @@ def _hull_of_chain(points: Array, right: bool) -> list[int]:
     return breaks
 
 
-def _literals(path: Array, numbers: Array) -> list[Literal]:
+def _literals(path: Array, numbers: Indices) -> list[Literal]:
     """One literal per edge of the counter-clockwise path; edges on one line share the surface."""
     following = np.roll(path, -1, axis=0)
     tangents = following - path
@@ -138,7 +140,7 @@ def _literals(path: Array, numbers: Array) -> list[Literal]:
 
 
 def _side(
-    path: Array, following: Array, normal: Array, offset: float, members: Array, numbers: Array
+    path: Array, following: Array, normal: Array, offset: float, members: Indices, numbers: Indices
 ) -> Surface:
     """Surface of the edges on one line."""
     depth = (path - path[members[0]]) @ normal
@@ -194,8 +196,8 @@ def _check_simple(points: Array) -> None:
         turn = (q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0]
         return np.where(np.abs(turn) <= scale, 0.0, np.sign(turn))
 
-    def within(p: Array, q: Array, r: Array) -> Array:
-        return (np.minimum(p, q) <= r).all(axis=1) & (r <= np.maximum(p, q)).all(axis=1)
+    def within(p: Array, q: Array, r: Array) -> NDArray[np.bool_]:
+        return np.asarray((np.minimum(p, q) <= r).all(axis=1) & (r <= np.maximum(p, q)).all(axis=1))
 
     turns = [side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)]
     meets = (turns[0] * turns[1] < 0.0) & (turns[2] * turns[3] < 0.0)
@@ -206,7 +208,9 @@ def _check_simple(points: Array) -> None:
     neighbours = following | preceding
     # neighbours share a vertex; they are wrong only when one folds back onto the other
     shared = np.where(following[:, None], b, a)
-    back = np.einsum("ij,ij->i", np.where(following[:, None], a, b) - shared, np.where(following[:, None], d, c) - shared)
+    back = np.einsum(
+        "ij,ij->i", np.where(following[:, None], a, b) - shared, np.where(following[:, None], d, c) - shared
+    )
     folded = neighbours & (turns[0] == 0.0) & (turns[1] == 0.0) & (back > 0.0)
     wrong = np.flatnonzero(np.where(neighbours, folded, meets | touches))
     if len(wrong):

@@ -15,7 +15,7 @@ from rfm.geometry import support
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
 from rfm.geometry.polygon import polygon
-from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, strip
+from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
 from rfm.geometry.shape import Shape, single
 from rfm.geometry.surface import Surface
@@ -23,7 +23,7 @@ from rfm.geometry.surface import Surface
 
 def function(
     expression: Field,
-    box: Box | None = None,
+    box: Box | tuple[Vector, Vector] | None = None,
     *,
     dimension: int | None = None,
     degree: int | None = None,
@@ -36,7 +36,7 @@ def function(
     expression
         The field; its gradient must not vanish on the boundary.
     box
-        A box that contains the set (the set must not leave it); None when it is unbounded.
+        A box that contains the set, as a `Box` or its two corners; None when the set is unbounded.
     dimension
         Number of coordinates; that of the box by default.
     degree
@@ -49,9 +49,12 @@ def function(
     GeometryError
         When neither a box nor a dimension is given, or the two differ.
     """
+    if box is not None and not isinstance(box, Box):
+        lower, upper = box
+        box = Box(tuple(map(float, lower)), tuple(map(float, upper)))
     if dimension is None:
         if box is None:
-            raise GeometryError("a function shape needs a box (or its dimension)")
+            raise GeometryError("a function shape needs a box such as [[-1, -1], [1, 1]] (or its dimension)")
         dimension = box.dimension
     if dimension not in (2, 3):
         raise GeometryError(f"dimension must be 2 or 3, got {shown(dimension)}")

@@ -55,9 +55,7 @@ def linear_half(point: Vector, normal: Vector, dimension: int) -> Shape:
     base, inward = vector("point", point, dimension), unit("normal", normal, dimension)
     function = plane(inward, float(inward @ base))
     surface = Surface((), function, degree=1, normalised=True)
-    return single(
-        surface, dimension, support.half_space(base, inward), support.half_space(base, -inward)
-    )
+    return single(surface, dimension, support.half_space(base, inward), support.half_space(base, -inward))
 
 
 def round_ball(center: Vector, radius: float, dimension: int) -> Shape:
@@ -87,7 +85,9 @@ def aligned_block(lower: Vector, upper: Vector, names: tuple[tuple[str, str], ..
     dimension = len(names)
     low, high = vector("min", lower, dimension), vector("max", upper, dimension)
     if not (low < high).all():
-        raise GeometryError(f"max must exceed min in every component, got min {shown(low)}, max {shown(high)}")
+        raise GeometryError(
+            f"max must exceed min in every component, got min {shown(low)}, max {shown(high)}"
+        )
     surfaces = []
     for axis, (first, second) in enumerate(names):
         normal = np.eye(dimension)[axis]

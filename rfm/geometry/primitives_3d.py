@@ -36,9 +36,7 @@ def ball(center: Vector, radius: float) -> Shape:
     return round_ball(center, radius, 3)
 
 
-def ellipsoid(
-    center: Vector, semi_axes: Vector, angle: float = 0.0, axis: Vector = (0.0, 0.0, 1.0)
-) -> Shape:
+def ellipsoid(center: Vector, semi_axes: Vector, angle: float = 0.0, axis: Vector = (0.0, 0.0, 1.0)) -> Shape:
     """Ellipsoid with semi-axes along x, y, z, then turned by ``angle`` about ``axis``; one surface."""
     middle, lengths = vector("center", center, 3), axes_lengths(semi_axes, 3)
     turn = rodrigues(unit("axis", axis, 3), number("angle", angle))

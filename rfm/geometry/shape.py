@@ -13,7 +13,7 @@ from rfm.errors import GeometryError
 from rfm.geometry import support
 from rfm.geometry.box import Box
 from rfm.geometry.carriers import move_field
-from rfm.geometry.expression import Expression, Literal, conjunction, disjunction
+from rfm.geometry.expression import Expression, Literal, conjunction
 from rfm.geometry.part import Part, union
 from rfm.geometry.similarity import Similarity, rotation, scaling, translation
 from rfm.geometry.support import Support
@@ -113,9 +113,7 @@ class Shape:
             return other
         expression = conjunction([self.expression, other.expression])
         reach = support.common(self.reach, other.reach)
-        return Shape(
-            self.dimension, expression, reach, support.either(self.outer_reach, other.outer_reach)
-        )
+        return Shape(self.dimension, expression, reach, support.either(self.outer_reach, other.outer_reach))
 
     def __or__(self, other: Shape) -> Shape:
         """Union."""

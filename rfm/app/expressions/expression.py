@@ -40,7 +40,9 @@ class ExpressionField:
     def __call__(self, *coords: Value) -> Value:
         """Value at a point; infinite or not a number where the formula has no value, without warnings."""
         if len(coords) != len(self.arguments):
-            raise TypeError(f"{self.source!r} is a field of ({', '.join(self.arguments)}), got {len(coords)} arguments")
+            raise TypeError(
+                f"{self.source!r} is a field of ({', '.join(self.arguments)}), got {len(coords)} arguments"
+            )
         values = [np.float64(c) if isinstance(c, float | int) else c for c in coords]
         with np.errstate(all="ignore"):
             return self.node.evaluate(dict(zip(self.arguments, values, strict=True)))
@@ -78,7 +80,9 @@ class Expression:
     node: Node = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "node", parse(self.text, Names(self.parameters, self.variables, self.absent)))
+        object.__setattr__(
+            self, "node", parse(self.text, Names(self.parameters, self.variables, self.absent))
+        )
 
     @property
     def constant(self) -> float | bool | None:

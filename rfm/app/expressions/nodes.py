@@ -117,6 +117,45 @@ def variables(node: Node) -> frozenset[str]:
             return frozenset()
 
 
+def polynomial_degree(node: Node) -> int | None:
+    """Total degree of a polynomial in the coordinates; None when the node is none (or not visibly)."""
+    match node:
+        case Constant():
+            return 0
+        case Variable():
+            return 1
+        case Chain(first, rest):
+            return _chain_degree(first, rest)
+        case Apply(function, (argument,)) if not isinstance(function, Function):  # the sign
+            return polynomial_degree(argument)
+        case _:
+            return None
+
+
+def _chain_degree(first: Node, rest: tuple[tuple[str, Node], ...]) -> int | None:
+    degree = polynomial_degree(first)
+    for symbol, node in rest:
+        other = polynomial_degree(node)
+        if degree is None or other is None:
+            return None
+        if symbol in "+-":
+            degree = max(degree, other)
+        elif symbol == "*":
+            degree += other
+        elif symbol == "/" and other == 0:
+            continue
+        elif (
+            symbol == "^"
+            and isinstance(node, Constant)
+            and float(node.value).is_integer()
+            and node.value >= 0
+        ):
+            degree *= int(node.value)
+        else:
+            return None
+    return degree
+
+
 def _power(base: Value, exponent: Value) -> Value:
     """Power; a whole constant exponent stays exact for negative bases and tight for intervals."""
     if isinstance(exponent, float):

@@ -59,7 +59,8 @@ class FittedMesh:
     simplices
         Corners of the simplices (ns, d + 1), volumes positive.
     facets
-        Corners of the boundary facets (nf, d).
+        Corners of the boundary facets (nf, d); in 2D the domain is to the left of a segment, in 3D
+        the corners of a triangle run counter-clockwise seen from outside.
     carriers
         Number of the surface that carries each facet (nf,), an index into `surfaces`.
     surfaces
@@ -134,14 +135,15 @@ def _split_candidates(domain: Shape, x: Array, inner: Ints, candidates: Ints, si
     x = np.concatenate([x, moved[len(old) :]])
     x[old] = moved[: len(old)]
     back = np.concatenate([old, np.arange(len(x) - len(moved) + len(old), len(x))])
-    facets, carriers = _boundary(domain, simplices, sides_of, points.on)
+    facets, carriers, opposite = _boundary(domain, simplices, sides_of, points.on)
     simplices = back[simplices]
     size = volumes(x, simplices)
     flipped = size < 0
     simplices[flipped] = simplices[flipped][:, [1, 0, *range(2, simplices.shape[1])]]
     simplices = simplices[np.abs(size) > 1e-12 * float(np.prod(sides))]
     blocks = np.concatenate([inner, candidates[(inside > 0) & ~divide]])
-    return _compact(x, blocks, simplices, back[facets], carriers, surfaces)
+    facets = _outward(x, back[facets], back[opposite])
+    return _compact(x, blocks, simplices, facets, carriers, surfaces)
 
 
 def _extra_divisions(grid: Grid, surfaces: tuple[Surface, ...], cells: Ints, divisions: int) -> Ints:
@@ -173,16 +175,24 @@ def _local_range(values: Array, blocks: Ints) -> Array:
     return scale
 
 
-def _boundary(domain: Shape, simplices: Ints, signs: Signs, on: Flags) -> tuple[Ints, Ints]:
-    """Facets of the `simplices` on a surface beyond which the outside begins, and its number.
+def _boundary(domain: Shape, simplices: Ints, signs: Signs, on: Flags) -> tuple[Ints, Ints, Ints]:
+    """Facets of the `simplices` on a surface beyond which the outside begins.
 
     The facet lies on the boundary when changing the sign of its surface leads outside.
+
+    Returns
+    -------
+    facets, carriers, opposite
+        Corners (nf, d), number of the surface (nf,), the corner of the simplex not in the facet (nf,).
     """
     surfaces, expression = domain.surfaces, domain.expression
-    facets, carriers = [np.empty((0, simplices.shape[1] - 1), np.int64)], [np.empty(0, np.int64)]
-    for opposite in range(simplices.shape[1]):
-        corners = np.delete(simplices, opposite, axis=1)
-        common = on[corners].all(axis=1)
+    borne = np.array([not surface.auxiliary for surface in surfaces])
+    corner_count = simplices.shape[1]
+    facets, opposite = [np.empty((0, corner_count - 1), np.int64)], [np.empty(0, np.int64)]
+    carriers = [np.empty(0, np.int64)]
+    for left_out in range(corner_count):
+        corners = np.delete(simplices, left_out, axis=1)
+        common = on[corners].all(axis=1) & borne
         for column in np.flatnonzero(common.any(axis=0)):
             rows = np.flatnonzero(common[:, column])
             beyond = signs[rows].copy()
@@ -190,8 +200,18 @@ def _boundary(domain: Shape, simplices: Ints, signs: Signs, on: Flags) -> tuple[
             found = rows[state(expression, surfaces, beyond) < 0]
             common[found] = False
             facets.append(corners[found])
+            opposite.append(simplices[found, left_out])
             carriers.append(np.full(len(found), column))
-    return np.concatenate(facets), np.concatenate(carriers)
+    return np.concatenate(facets), np.concatenate(carriers), np.concatenate(opposite)
+
+
+def _outward(x: Array, facets: Ints, opposite: Ints) -> Ints:
+    """Facets with their corners in the order that has the opposite corners on the inner side."""
+    inward = volumes(x, np.concatenate([facets, opposite[:, None]], axis=1))
+    wrong = inward < 0 if x.shape[1] == 2 else inward > 0
+    turned = facets.copy()
+    turned[wrong] = turned[wrong][:, [1, 0, *range(2, facets.shape[1])]]
+    return turned
 
 
 def _compact(

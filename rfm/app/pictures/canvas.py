@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DPI = 150
+DPI = 130
 INK, FAINT, PAPER = "#1b2733", "#8a95a1", "#ffffff"
 FIELD_MAP, ERROR_MAP = "viridis", "RdBu_r"
 
@@ -43,17 +43,14 @@ class Frame:
         bar.ax.yaxis.get_offset_text().set(fontsize=8)
         bar.formatter.set_powerlimits((-3, 4))
 
-    def png(self) -> bytes:
-        """The picture."""
-        return png_bytes(self.figure)
 
-
-def frame(title: str, lower: Sequence[float], upper: Sequence[float], *, bar: bool = True) -> Frame:
-    """Figure for a region of the plane from `lower` to `upper`, to scale."""
+def frame(
+    title: str, lower: Sequence[float], upper: Sequence[float], *, bar: bool = True, right: float = RIGHT
+) -> Frame:
+    """Figure for a region of the plane from `lower` to `upper`, to scale, with a `right` margin."""
     width, height = (float(high - low) for low, high in zip(lower, upper, strict=True))
     inches = 5.2 / max(width, height)
     across, up = max(width * inches, 1.8), max(height * inches, 1.2)
-    right = RIGHT if bar else 0.25
     size = (LEFT + across + right, BOTTOM + up + TOP)
     figure = new_figure(size)
     axes = figure.add_axes((LEFT / size[0], BOTTOM / size[1], across / size[0], up / size[1]))
@@ -61,7 +58,7 @@ def frame(title: str, lower: Sequence[float], upper: Sequence[float], *, bar: bo
     axes.set_xlim(lower[0], upper[0])
     axes.set_ylim(lower[1], upper[1])
     tidy(axes)
-    axes.set_title(title, fontsize=11, color=INK, loc="left", pad=9)
+    heading(axes, title)
     bar_axes = None
     if bar:
         x = (LEFT + across + 0.14) / size[0]
@@ -79,6 +76,11 @@ def new_figure(size: tuple[float, float]) -> Figure:
     return figure
 
 
+def heading(axes: Axes, title: str, size: float = 11) -> None:
+    """Put `title` above `axes`, as plain text whatever characters it has."""
+    axes.set_title(title, fontsize=size, color=INK, loc="left", pad=8, parse_math=False)
+
+
 def tidy(axes: Axes) -> None:
     """Give `axes` the common look: thin pale frame, small ticks."""
     axes.tick_params(labelsize=8, length=2.5, color=FAINT, labelcolor=INK)
@@ -89,7 +91,7 @@ def tidy(axes: Axes) -> None:
 def png_bytes(figure: Figure) -> bytes:
     """Render `figure` as PNG."""
     stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=DPI, pil_kwargs={"compress_level": 4})
+    figure.savefig(stream, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
     return stream.getvalue()
 
 

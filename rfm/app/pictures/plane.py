@@ -10,13 +10,15 @@ from rfm.app.pictures.canvas import ERROR_MAP, FIELD_MAP, INK, Frame, frame, lim
 from rfm.calculus.types import Array
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from rfm.app.fitted import FittedMesh
 
 LEVELS = 12
 """Isolines of the solution."""
 
 
-def field_2d(mesh: FittedMesh, values: Array, title: str) -> bytes:
+def field_2d(mesh: FittedMesh, values: Array, title: str) -> Figure:
     """Picture of `values` at the points of `mesh` with isolines and the boundary."""
     low, high = limits(values)
     picture = _coloured(mesh, values, title, (low, high), FIELD_MAP)
@@ -29,17 +31,18 @@ def field_2d(mesh: FittedMesh, values: Array, title: str) -> bytes:
             levels=levels,
             colors="white",
             linewidths=0.5,
+            linestyles="solid",
             alpha=0.55,
         )
     draw_boundary(picture, mesh)
-    return picture.png()
+    return picture.figure
 
 
-def error_2d(mesh: FittedMesh, error: Array, title: str) -> bytes:
+def error_2d(mesh: FittedMesh, error: Array, title: str) -> Figure:
     """Picture of a signed `error`, zero in white."""
     picture = _coloured(mesh, error, title, limits(error, symmetric=True), ERROR_MAP)
     draw_boundary(picture, mesh)
-    return picture.png()
+    return picture.figure
 
 
 def draw_boundary(picture: Frame, mesh: FittedMesh, colour: str = INK, width: float = 1.1) -> None:

@@ -19,7 +19,9 @@ class Strict(BaseModel):
         Keys that are known but not built, with the sentence that refuses them.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, validate_default=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, arbitrary_types_allowed=True, validate_default=False
+    )
 
     refused: ClassVar[Mapping[str, str]] = {}
 

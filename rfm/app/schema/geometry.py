@@ -51,5 +51,7 @@ class Geometry(Strict):
                 raise fail(message, key="domain", offset=offset)
         for name in self.shapes:
             if name not in self.domain.names:
-                raise fail(f"the shape {name!r} is not used by the domain; use it or remove it", key=f"shapes.{name}")
+                raise fail(
+                    f"the shape {name!r} is not used by the domain; use it or remove it", key=f"shapes.{name}"
+                )
         return self

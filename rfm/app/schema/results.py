@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 from pydantic_core import CoreSchema
 
 from rfm.app.expressions import Expression, ExpressionError
 from rfm.app.schema.base import Strict
-from rfm.app.schema.scalars import NonNegative, Number, PartNames, fail, scope_of, shown
+from rfm.app.schema.scalars import WRITTEN, NonNegative, Number, PartNames, fail, scope_of, shown
 
 DOMAIN = "domain"
 
@@ -102,6 +109,7 @@ class Integral(Strict):
     of: Annotated[
         Expression | str,
         BeforeValidator(_integrand),
+        WRITTEN,
         WithJsonSchema({"type": ["string", "number"], "description": "flux, area, or expression with u"}),
     ] = Field(description="flux (k du/dn), area, or an expression of the coordinates and u")
 

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, PlainSerializer, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -21,6 +21,8 @@ from rfm.app.expressions.vocabulary import COORDINATES
 from rfm.app.source import nearest
 
 FROM_EXACT = "from exact"
+
+Item = TypeVar("Item")
 
 DIMENSION_WORDS = {2: "two-dimensional", 3: "three-dimensional"}
 
@@ -116,7 +118,9 @@ def _bounded(check: Callable[[float], bool], wanted: str) -> Callable[[Any, Vali
     return validate
 
 
-_NUMBER_SCHEMA = WithJsonSchema({"type": ["number", "string"], "description": "number, or expression of parameters"})
+_NUMBER_SCHEMA = WithJsonSchema(
+    {"type": ["number", "string"], "description": "number, or expression of parameters"}
+)
 
 Number = Annotated[float, BeforeValidator(_number), _NUMBER_SCHEMA]
 Positive = Annotated[float, BeforeValidator(_bounded(lambda v: v > 0, "positive")), _NUMBER_SCHEMA]
@@ -156,7 +160,19 @@ def vector(value: Any, info: ValidationInfo) -> tuple[float, ...]:
         raise fail(f"must be a list of {dimension or '2 or 3'} numbers, got {shown(value)}")
     if len(value) != (dimension or len(value)) or len(value) not in (2, 3):
         raise fail(f"must have {dimension or '2 or 3'} coordinates, got {len(value)}")
-    return tuple(_number(item, info) for item in value)
+    return tuple(within(i, _number, item, info) for i, item in enumerate(value))
+
+
+def within(
+    index: int, validator: Callable[[Any, ValidationInfo], Item], item: Any, info: ValidationInfo
+) -> Item:
+    """Validate an item of a list, so that an error points to the item."""
+    try:
+        return validator(item, info)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        inner = f".{context['key']}" if context.get("key") else ""
+        raise fail(str(context["message"]), offset=context.get("offset"), key=f"{index}{inner}") from None
 
 
 _VECTOR_SCHEMA = WithJsonSchema(
@@ -179,7 +195,7 @@ PositiveVector = Annotated[tuple[float, ...], BeforeValidator(_positive_vector),
 def _corners(value: Any, info: ValidationInfo) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise fail("must be two corners such as [[0, 0], [1, 1]]")
-    lower, upper = vector(value[0], info), vector(value[1], info)
+    lower, upper = (within(i, vector, item, info) for i, item in enumerate(value))
     if len(lower) != len(upper) or any(b <= a for a, b in zip(lower, upper, strict=False)):
         raise fail(f"the second corner must exceed the first in every coordinate, got {lower} and {upper}")
     return lower, upper
@@ -210,30 +226,37 @@ def _datum_or_exact(value: Any, info: ValidationInfo) -> Expression | str:
 def _comparison(value: Any, info: ValidationInfo) -> Expression:
     expression = _expression(_text(value, "a comparison such as x > 0.2"), info, scope_of(info).coordinates())
     try:
-        expression.condition(3 if scope_of(info).dimension is None else scope_of(info).dimension or 3)
+        expression.condition(scope_of(info).dimension or 3)
     except ExpressionError as error:
         raise fail(error.message, offset=error.offset) from None
     return expression
 
 
-def _written(value: Expression | str) -> str:
-    return value if isinstance(value, str) else value.text
+def _written(value: Expression | str) -> str | float:
+    """Write a plain number as a number, everything else as text."""
+    if isinstance(value, str):
+        return value
+    try:
+        number = float(value.text)
+    except ValueError:
+        return value.text
+    return int(number) if number.is_integer() and abs(number) < 2**53 else number
 
 
-_WRITTEN = PlainSerializer(_written, return_type=str)
+WRITTEN = PlainSerializer(_written, return_type=Any)
 _DATUM_SCHEMA = WithJsonSchema({"type": ["number", "string"], "description": "number or expression"})
 _EXACT_SCHEMA = WithJsonSchema(
     {"type": ["number", "string"], "description": "number, expression, or 'from exact'"}
 )
 
-Datum = Annotated[Expression, BeforeValidator(_datum), _WRITTEN, _DATUM_SCHEMA]
+Datum = Annotated[Expression, BeforeValidator(_datum), WRITTEN, _DATUM_SCHEMA]
 DatumOrExact = Annotated[
-    Expression | Literal["from exact"], BeforeValidator(_datum_or_exact), _WRITTEN, _EXACT_SCHEMA
+    Expression | Literal["from exact"], BeforeValidator(_datum_or_exact), WRITTEN, _EXACT_SCHEMA
 ]
 Comparison = Annotated[
     Expression,
     BeforeValidator(_comparison),
-    _WRITTEN,
+    WRITTEN,
     WithJsonSchema({"type": "string", "description": "comparison such as x > 0.2"}),
 ]
 

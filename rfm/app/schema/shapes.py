@@ -25,6 +25,7 @@ from rfm.app.schema.scalars import (
     scope_of,
     shown,
     vector,
+    within,
 )
 
 
@@ -41,7 +42,9 @@ class Kind(Strict):
 
     def arguments(self) -> dict[str, Any]:
         """Arguments for the constructor: those that were given, angles in radians."""
-        given = {name: getattr(self, name) for name in type(self).model_fields if name in self.model_fields_set}
+        given = {
+            name: getattr(self, name) for name in type(self).model_fields if name in self.model_fields_set
+        }
         return {name: math.radians(v) if name == "angle" else v for name, v in given.items() if v is not None}
 
 
@@ -153,7 +156,7 @@ def _vertices(value: Any, info: ValidationInfo) -> tuple[tuple[float, ...], ...]
         raise fail(f"must be a list of points, got {shown(value)}")
     if len(value) < 3:
         raise fail(f"needs at least 3 vertices, got {len(value)}")
-    return tuple(vector(item, info) for item in value)
+    return tuple(within(i, vector, item, info) for i, item in enumerate(value))
 
 
 class Polygon(Kind):
@@ -285,5 +288,7 @@ MODIFIERS = ("scale", "rotate", "move")
 
 KIND_NAMES = tuple(name for name in ShapeSpec.model_fields if name not in MODIFIERS)
 
-KINDS: dict[str, type[Kind]] = {name: get_args(ShapeSpec.model_fields[name].annotation)[0] for name in KIND_NAMES}
+KINDS: dict[str, type[Kind]] = {
+    name: get_args(ShapeSpec.model_fields[name].annotation)[0] for name in KIND_NAMES
+}
 """Model of each kind by its name."""

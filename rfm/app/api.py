@@ -1,0 +1,123 @@
+"""The Python entry: solve a case, load a finished run, evaluate either."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rfm.app.build import build_discretization, build_problem
+from rfm.app.case import Case, load_case
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from rfm.app.run import Result
+    from rfm.calculus.types import Array
+    from solvers.solution import Trial
+    from solvers.stopwatch import Listener
+
+
+@dataclass(frozen=True)
+class Run:
+    """A solved case: evaluate the field, read the summary.
+
+    Attributes
+    ----------
+    case
+        The case as resolved.
+    trial
+        The field.
+    summary
+        As in ``summary.json``.
+    result
+        What was computed in this process; None for a run loaded from a file.
+    """
+
+    case: Case
+    trial: Trial
+    summary: Mapping[str, Any]
+    result: Result | None = None
+
+    def u(self, points: ArrayLike) -> Array:
+        """Values of u at points (n, d), shape (n,); meaningful inside the domain."""
+        values: Array = self.trial.at(points, 0)[0]
+        return values
+
+    def gradient(self, points: ArrayLike) -> Array:
+        """Gradient of u at points (n, d), shape (n, d)."""
+        gradient: Array = self.trial.at(points, 1)[1:].T
+        return gradient
+
+    def plot(self) -> Figure:
+        """Picture of the field as a matplotlib figure."""
+        from rfm.app.pictures import solution_figure
+        from rfm.app.samples import sample
+
+        record = self._record()
+        return solution_figure(record, sample(record))
+
+    def save(self, directory: str | Path) -> dict[str, str]:
+        """Write the run directory and return its files by name."""
+        from rfm.app.output import write_run
+
+        return write_run(self._record(), directory)
+
+    def _record(self) -> Any:
+        from rfm.app.run import record_of
+
+        if self.result is None:
+            return record_of(solve_again(self.case).result)
+        return record_of(self.result)
+
+
+def solve(
+    case: str | Path | Mapping[str, Any] | Case,
+    set: Mapping[str, Any] | None = None,  # noqa: A002 - the name of the command's option
+    listener: Listener | None = None,
+) -> Run:
+    """Solve a case.
+
+    Parameters
+    ----------
+    case
+        Case file, the data of a case, or a case.
+    set
+        Overrides by dotted path, e.g. ``{"discretization.grid": 64}``.
+    listener
+        Told about phases and progress.
+
+    Raises
+    ------
+    RfmError
+        The case is wrong or the numerics failed; the message says where and what to do.
+    """
+    from rfm.app.run import compute
+
+    loaded = case if isinstance(case, Case) else load_case(case, dict(set or {}))
+    result = compute(loaded, listener)
+    return Run(loaded, result.solution.trial, result.summary, result)
+
+
+def load(path: str | Path) -> Run:
+    """Load a finished run from its directory or its ``solution.h5``; evaluates as the original did.
+
+    Raises
+    ------
+    StorageError
+        The file is no solution of this program.
+    """
+    from rfm.app import storage
+    from solvers.grid import Grid
+    from solvers.solution import Trial
+    from solvers.trial import trial_structure
+
+    stored = storage.load(path)
+    case = load_case(stored.case)
+    problem = build_problem(case)
+    discretization = build_discretization(case, problem.domain)
+    grid = Grid(stored.lower, stored.spacing, stored.cells)
+    structure = trial_structure(problem, discretization.weight)
+    return Run(case, Trial(structure, grid, stored.degree, stored.coefficients), stored.summary)

@@ -1,0 +1,225 @@
+"""From a validated case to the values that the solvers take: domain, problem, discretisation."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rfm.app.case import Case
+from rfm.app.covering import assign_parts
+from rfm.app.expressions import Expression
+from rfm.app.expressions.nodes import polynomial_degree
+from rfm.app.schema.discretization import DEFAULT_GRID
+from rfm.app.schema.results import DOMAIN
+from rfm.app.schema.scalars import FROM_EXACT
+from rfm.app.schema.shapes import Function, Rotation, ShapeSpec
+from rfm.app.yaml_reader import Path
+from rfm.calculus.types import Field
+from rfm.errors import CaseError, DataError, RfmError
+
+if TYPE_CHECKING:
+    from rfm.geometry.box import Box
+    from rfm.geometry.part import Part
+    from rfm.geometry.shape import Shape
+    from solvers.problem import Condition, Discretization, FromExact, Problem, SolverOptions
+
+BORDER_SAMPLES = {2: 400, 3: 48}
+"""Points a direction at which the border of a given background box is compared with the domain."""
+
+
+def build_problem(case: Case) -> Problem:
+    """Problem of a case.
+
+    Raises
+    ------
+    CaseError
+        A shape cannot be built, the domain is empty or unbounded, or the conditions do not fit the boundary.
+    """
+    from solvers.equations.poisson import Poisson
+    from solvers.problem import Problem
+
+    domain = build_domain(case)
+    data = case.equation.poisson
+    path: Path = ("equation", "poisson")
+    equation = Poisson(
+        source=None if data.source == FROM_EXACT else _datum(case, data.source, (*path, "source")),
+        conductivity=_datum(case, data.conductivity, (*path, "conductivity")),
+        reaction=_datum(case, data.reaction, (*path, "reaction")),
+    )
+    parts = assign_parts(case, domain)
+    _check_results(case, domain)
+    conditions = tuple(_condition(case, i, part) for i, part in enumerate(parts))
+    exact = case.exact.field(case.dimension, ("exact",)) if case.exact is not None else None
+    return Problem(domain, equation, conditions, exact)
+
+
+def build_domain(case: Case) -> Shape:
+    """Domain of a case, with the surfaces of its shapes named after them."""
+    shapes = {name: _shape(case, name, spec) for name, spec in case.geometry.shapes.items()}
+    path: Path = ("geometry", "domain")
+    try:
+        domain: Shape = case.geometry.domain.evaluate(shapes)
+    except RfmError as error:
+        raise case.error(path, str(error)) from error
+    if domain.box.empty:
+        raise case.error(path, "the domain is empty")
+    if not domain.box.finite and case.discretization.box is None:
+        message = "the domain is unbounded; intersect it with a bounded shape"
+        raise case.error(path, message)
+    return domain
+
+
+def build_discretization(case: Case, domain: Shape) -> Discretization:
+    """Discretisation of a case.
+
+    Raises
+    ------
+    CaseError
+        The background box misses the domain or cuts it.
+    """
+    from solvers.problem import Discretization
+
+    given = case.discretization
+    return Discretization(
+        degree=given.degree,
+        grid=given.grid or DEFAULT_GRID,
+        spacing=given.spacing,
+        box=_background_box(case, domain),
+        basis=given.basis,
+        weight=given.weight,
+        quadrature_points=given.quadrature_points,
+        moment_fitting=given.moment_fitting,
+    )
+
+
+def solver_options(case: Case) -> SolverOptions:
+    """Options of the linear solver."""
+    from solvers.problem import SolverOptions
+
+    return SolverOptions(linear=case.solver.linear, tolerance=case.solver.tolerance)
+
+
+def located(case: Case, error: RfmError) -> RfmError:
+    """Error with its place in the case, where the solver only knew the field that caused it."""
+    path = getattr(error.field, "path", None) if isinstance(error, DataError) else None
+    return case.error(path, str(error)) if path else error
+
+
+def _shape(case: Case, name: str, spec: ShapeSpec) -> Shape:
+    from rfm.geometry.primitives import KINDS
+
+    kind, given = spec.kind, spec.given
+    path: Path = ("geometry", "shapes", name, kind)
+    arguments = _function(case, given, path) if isinstance(given, Function) else given.arguments()
+    try:
+        shape = KINDS[kind](**arguments)
+    except RfmError as error:
+        raise _argument_error(case, path, arguments, str(error)) from error
+    path = path[:-1]
+    for modifier, key in ((_scaled, "scale"), (_rotated, "rotate"), (_moved, "move")):
+        value = getattr(spec, key)
+        if value is not None:
+            try:
+                shape = modifier(shape, value)
+            except RfmError as error:
+                raise case.error((*path, key), str(error)) from error
+    return shape.named(name)
+
+
+def _scaled(shape: Shape, factor: float) -> Shape:
+    return shape.scale(factor)
+
+
+def _rotated(shape: Shape, rotation: Rotation) -> Shape:
+    return shape.rotate(np.deg2rad(rotation.angle), axis=rotation.axis, center=rotation.center)
+
+
+def _moved(shape: Shape, vector: tuple[float, ...]) -> Shape:
+    return shape.move(vector)
+
+
+def _function(case: Case, given: Function, path: Path) -> dict[str, Any]:
+    from rfm.geometry.box import Box
+
+    field = given.expression.field(case.dimension, (*path, "expression"))
+    arguments = {"expression": field, "dimension": case.dimension, "degree": polynomial_degree(field.node)}
+    return {**arguments, "box": Box(*given.box)} if given.box is not None else arguments
+
+
+def _argument_error(case: Case, path: Path, arguments: dict[str, Any], message: str) -> CaseError:
+    """Error of a constructor; a message that begins with an argument is placed at its key."""
+    match = re.match(r"(\w+) (.*)", message, re.DOTALL)
+    if match and match[1] in arguments:
+        return case.error((*path, match[1]), match[2])
+    return case.error(path, message, key=True)
+
+
+def _datum(case: Case, expression: Expression | str, path: Path) -> Field | float:
+    """Number where the expression is constant, else its field."""
+    if isinstance(expression, str):
+        raise TypeError(f"{expression!r} is no expression")
+    constant = expression.constant
+    return float(constant) if constant is not None else expression.field(case.dimension, path)
+
+
+def _value(case: Case, expression: Expression | str, path: Path) -> Field | float | FromExact:
+    from solvers.problem import FROM_EXACT as TAKEN_FROM_EXACT
+
+    return TAKEN_FROM_EXACT if expression == FROM_EXACT else _datum(case, expression, path)
+
+
+def _condition(case: Case, index: int, part: Part) -> Condition:
+    from solvers.problem import Dirichlet, Neumann, Robin
+
+    given = case.boundary_conditions[index]
+    path: Path = ("boundary_conditions", index)
+    if given.robin is not None:
+        coefficient = _datum(case, given.robin.coefficient, (*path, "robin", "coefficient"))
+        return Robin(part, coefficient, _value(case, given.robin.value, (*path, "robin", "value")))
+    if given.neumann is not None:
+        return Neumann(part, _value(case, given.neumann, (*path, "neumann")))
+    if given.dirichlet is not None:
+        return Dirichlet(part, _value(case, given.dirichlet, (*path, "dirichlet")))
+    raise case.error(path, "has no condition")
+
+
+def _check_results(case: Case, domain: Shape) -> None:
+    """Refuse probes outside the domain and integrals over unknown parts before anything is solved."""
+    for name, point in case.probes.items():
+        if not float(np.asarray(domain.membership(*point))) >= -1e-9 * max(domain.box.size):
+            raise case.error(("probes", name), f"the point lies outside the domain ({_corners(domain.box)})")
+    for name, integral in case.integrals.items():
+        for part in integral.on if DOMAIN not in integral.on else ():
+            try:
+                domain.part(part)
+            except RfmError as error:
+                raise case.error(("integrals", name, "on"), str(error)) from error
+
+
+def _background_box(case: Case, domain: Shape) -> Box | None:
+    """Check that the given box holds the whole domain, at points of its border."""
+    from rfm.geometry.box import Box
+
+    if case.discretization.box is None:
+        return None
+    box, path = Box(*case.discretization.box), ("discretization", "box")
+    bounds = f"the domain lies in {_corners(domain.box)}"
+    if box.intersect(domain.box).empty:
+        raise case.error(path, f"the box does not touch the domain; {bounds}")
+    lattice = np.linspace(0.0, 1.0, BORDER_SAMPLES[domain.dimension])
+    for axis in range(domain.dimension):
+        for side in (0.0, 1.0):
+            axes = [lattice] * domain.dimension
+            axes[axis] = np.array([side])
+            unit = np.meshgrid(*axes, indexing="ij")
+            points = [low + u * size for low, u, size in zip(box.lower, unit, box.size, strict=True)]
+            if (np.asarray(domain.membership(*points)) > 1e-12 * max(box.size)).any():
+                raise case.error(path, f"the box cuts the domain; {bounds}")
+    return box
+
+
+def _corners(box: Box) -> str:
+    corners = ["[" + ", ".join(f"{c:.6g}" for c in corner) + "]" for corner in (box.lower, box.upper)]
+    return f"[{corners[0]}, {corners[1]}]"

@@ -1,0 +1,192 @@
+"""A case: the whole of one problem as the user states it, validated.
+
+:func:`load_case` reads a case file, applies overrides and reports every mistake with its place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, WithJsonSchema, model_validator
+
+from rfm.app.schema.base import Strict
+from rfm.app.schema.conditions import BoundaryCondition
+from rfm.app.schema.discretization import Discretization, Solver
+from rfm.app.schema.equation import Equation
+from rfm.app.schema.geometry import Geometry
+from rfm.app.schema.results import Expectation, Integral, Study
+from rfm.app.schema.scalars import FROM_EXACT, Datum, Text, Vector, check_name, fail, scope_of, shown
+from rfm.app.schema.scope import scope_of_document
+from rfm.app.schema.validation import validate
+from rfm.app.source import Document, from_file, from_mapping, nearest, raise_all
+from rfm.app.yaml_reader import Path
+from rfm.errors import CaseError
+
+VERSION = 1
+
+SUMMARY_KEYS = (
+    "relative_l2_error",
+    "relative_h1_error",
+    "relative_max_error",
+    "boundary_error",
+    "dofs",
+    "energy",
+    "linear",
+    "integrals",
+    "probes",
+    "seconds",
+    "peak_memory_mb",
+)
+"""Keys of a summary that can be expected; those with several values take a second name, as in ``probes.A.u``."""
+
+ERROR_KEYS = SUMMARY_KEYS[:3]
+
+
+def _version(value: Any) -> int:
+    if isinstance(value, bool) or value != VERSION:
+        raise fail(f"this program reads schema version {VERSION}, got {shown(value)}")
+    return VERSION
+
+
+def _resolved_parameters(value: Any, info: ValidationInfo) -> Any:
+    return dict(scope_of(info).parameters) if isinstance(value, dict) else value
+
+
+class Case(Strict):
+    """A boundary value problem and how to solve it."""
+
+    rfm: Annotated[int, BeforeValidator(_version), WithJsonSchema({"const": VERSION})] = Field(
+        description="schema version"
+    )
+    title: Text = Field(default="", description="one line for reports")
+    parameters: Annotated[
+        dict[str, float],
+        BeforeValidator(_resolved_parameters),
+        WithJsonSchema({"type": "object", "additionalProperties": {"type": ["number", "string"]}}),
+    ] = Field(default_factory=dict, description="numbers by name, for use in every expression")
+    geometry: Geometry
+    equation: Equation
+    boundary_conditions: list[BoundaryCondition]
+    exact: Datum | None = Field(default=None, description="exact solution: turns on the error norms")
+    discretization: Discretization = Field(default_factory=Discretization)
+    solver: Solver = Field(default_factory=Solver)
+    expect: dict[str, Expectation] = Field(default_factory=dict, description="limits for the summary")
+    study: Study | None = Field(default=None, description="grids and degrees of rfm study")
+    probes: dict[str, Vector] = Field(default_factory=dict, description="points by name")
+    integrals: dict[str, Integral] = Field(default_factory=dict, description="integrals by name")
+
+    _document: Document = PrivateAttr(default_factory=lambda: from_mapping({}))
+    _name: str = PrivateAttr(default="case")
+    _dimension: int = PrivateAttr(default=2)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Case:
+        self._check_exact()
+        self._check_names()
+        for key in self.expect:
+            self._check_expected(key)
+        return self
+
+    def _check_exact(self) -> None:
+        if self.exact is not None:
+            return
+        if self.equation.poisson.source == FROM_EXACT:
+            raise fail("'from exact' needs the key exact", key="equation.poisson.source")
+        for i, condition in enumerate(self.boundary_conditions):
+            if condition.from_exact:
+                raise fail(
+                    "'from exact' needs the key exact", key=f"boundary_conditions.{i}.{condition.kind}"
+                )
+        for key in self.expect:
+            if key in ERROR_KEYS:
+                raise fail("an error can only be expected where the key exact is given", key=f"expect.{key}")
+
+    def _check_names(self) -> None:
+        for section, what in (("probes", "probe"), ("integrals", "integral")):
+            for name in getattr(self, section):
+                wrong = check_name(name, what)
+                if wrong:
+                    raise fail(wrong, key=f"{section}.{name}")
+
+    def _check_expected(self, key: str) -> None:
+        section, _, rest = key.partition(".")
+        if section not in SUMMARY_KEYS:
+            raise fail(
+                f"unknown result {key!r}; {nearest(section, SUMMARY_KEYS, 'results')}", key=f"expect.{key}"
+            )
+        if section in ("probes", "integrals"):
+            known = getattr(self, section)
+            name = rest.partition(".")[0]
+            if name not in known:
+                message = f"unknown result {key!r}; {nearest(name, known, section)}"
+                raise fail(message, key=f"expect.{key}")
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the shapes, 2 or 3."""
+        return self._dimension
+
+    @property
+    def name(self) -> str:
+        """Name of the case: that of its file without the ending."""
+        return self._name
+
+    @property
+    def file(self) -> str:
+        """File the case was read from, as the user named it; empty for a mapping."""
+        return self._document.name
+
+    def error(self, path: Path, message: str, *, offset: int | None = None, key: bool = False) -> CaseError:
+        """Error at a path of the case, with file, line and column when it was read from a file."""
+        return self._document.error(path, message, offset=offset, key=key)
+
+    def discretized(self, *, degree: int, grid: int) -> Case:
+        """Return the same case with another degree and grid."""
+        update = {"degree": degree, "grid": grid, "spacing": None}
+        return self.model_copy(update={"discretization": self.discretization.model_copy(update=update)})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the resolved case as plain data that `load_case` reads again: every default filled in."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+
+def load_case(source: str | FilePath | Mapping[str, Any], overrides: Mapping[str, Any] | None = None) -> Case:
+    """Read and validate a case.
+
+    Parameters
+    ----------
+    source
+        Case file, or the data of a case as a mapping.
+    overrides
+        Values by dotted path, e.g. ``{"discretization.grid": 64}``.
+
+    Raises
+    ------
+    CaseError
+        The file cannot be read or the case is wrong; several mistakes are reported together.
+    """
+    document = from_mapping(source) if isinstance(source, Mapping) else from_file(source)
+    return case_from_document(document, overrides or {})
+
+
+def case_from_document(document: Document, overrides: Mapping[str, Any]) -> Case:
+    """Validate the case of a document after applying overrides."""
+    for key, value in overrides.items():
+        document.override(key, value)
+    scope, errors = scope_of_document(document)
+    case, more = validate(Case, document, scope)
+    raise_all([*errors, *more])
+    if case is None:
+        raise CaseError("the case is empty", place=document.name)
+    case._document = document
+    case._name = _name_of(document, case)
+    case._dimension = scope.dimension or 2
+    return case
+
+
+def _name_of(document: Document, case: Case) -> str:
+    stem = FilePath(document.name).stem if document.name else case.title.lower()
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", stem).strip("-.")[:80] or "case"

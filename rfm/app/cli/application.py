@@ -1,0 +1,118 @@
+"""Commands and options.  Each command imports its body when it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rfm.app.cli.outcome import finish
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Solve boundary value problems without a mesh, with boundary conditions satisfied exactly.",
+    epilog="Exit codes: 0 done, 1 done but an expectation was missed, 2 the case or command is wrong, "
+    "3 the numerics failed, 130 interrupted.",
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (YAML).")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Override a value, e.g. discretization.grid=64; repeatable."
+    ),
+]
+Json = Annotated[
+    bool, typer.Option("--json", help="One JSON object on standard output, text on standard error.")
+]
+Large = Annotated[
+    bool, typer.Option("--allow-large", help="Do not refuse a grid that may not fit into memory.")
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Output directory (default runs/NAME).")
+]
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
+) -> None:
+    if version:
+        from importlib.metadata import version as installed
+
+        typer.echo(f"rfm {installed('rfm')}")
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    case: CaseFile, set_: Overrides = None, out: Out = None, json: Json = False, allow_large: Large = False
+) -> None:
+    """Solve a case and write results, pictures and a report."""
+    finish("rfm.app.cli.run:run_case", json, file=case, settings=set_ or [], out=out, allow_large=allow_large)
+
+
+@app.command()
+def check(case: CaseFile, set_: Overrides = None, json: Json = False, allow_large: Large = False) -> None:
+    """Check a case up to the classification of the cells, without solving it."""
+    finish("rfm.app.cli.check:check_case", json, file=case, settings=set_ or [], allow_large=allow_large)
+
+
+@app.command()
+def study(
+    case: CaseFile,
+    set_: Overrides = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Also write the last run there.")
+    ] = None,
+    json: Json = False,
+    allow_large: Large = False,
+) -> None:
+    """Solve a case on several grids and degrees, and print errors and rates."""
+    finish(
+        "rfm.app.cli.study:study_case", json, file=case, settings=set_ or [], out=out, allow_large=allow_large
+    )
+
+
+@app.command()
+def show(
+    target: Annotated[Path, typer.Argument(metavar="CASE|RUN", help="Case file, or directory of a run.")],
+    set_: Overrides = None,
+    json: Json = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Picture of the shape (default NAME.png).")
+    ] = None,
+) -> None:
+    """Show what a case states, with a picture of its shape, or the summary of a run."""
+    finish("rfm.app.cli.show:show_target", json, target=target, settings=set_ or [], out=out)
+
+
+@app.command("list")
+def list_(
+    topic: Annotated[
+        str | None,
+        typer.Argument(metavar="[TOPIC]", help="shapes, functions, equations, structures, bases or cases."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """List what a case may use, or the cases that come along."""
+    finish("rfm.app.cli.listing:list_topic", json, topic=topic)
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write it to a file.")] = None,
+) -> None:
+    """Print the JSON schema of case files."""
+    finish("rfm.app.cli.schema:print_schema", True, out=out)
+
+
+@app.command()
+def doctor(json: Json = False) -> None:
+    """Report versions, threads and optional packages, and test this installation in a second."""
+    finish("rfm.app.doctor:examine", json)

@@ -1,0 +1,63 @@
+"""`rfm run`: solve a case and write its run directory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rfm.app.cli.outcome import DONE, MISSED, print_json
+from rfm.app.cli.output import say, table
+from rfm.app.cli.progress import listening
+from rfm.app.cli.settings import load
+from rfm.app.memory import refuse_large
+
+HEADLINES = (
+    "degree",
+    "grid",
+    "dofs",
+    "relative_l2_error",
+    "relative_h1_error",
+    "relative_max_error",
+    "energy",
+)
+
+
+def run_case(
+    *, file: Path, settings: Sequence[str], out: Path | None, allow_large: bool, as_json: bool
+) -> int:
+    """Solve a case; returns the exit code."""
+    from rfm.app.output import write_run
+    from rfm.app.run import compute, record_of
+    from rfm.app.run_directory import check_output
+
+    case = load(file, settings)
+    directory = out or Path("runs") / case.name
+    check_output(directory)
+    if not allow_large:
+        refuse_large(case)
+    with listening() as listener:
+        result = compute(case, listener)
+        listener.phase("files")
+        files = write_run(record_of(result), directory)
+    describe(result.summary, as_json)
+    for warning in result.warnings:
+        say(f"warning: {warning}", as_json)
+    for name, path in files.items():
+        say(f"{name:<14} {path}", as_json)
+    for miss in result.misses:
+        say(f"missed: {miss}", as_json)
+    if as_json:
+        print_json({**result.summary, "files": files})
+    return MISSED if result.misses else DONE
+
+
+def describe(summary: Mapping[str, Any], as_json: bool) -> None:
+    """Print what matters of a summary."""
+    rows = [(key, summary.get(key)) for key in HEADLINES if summary.get(key) is not None]
+    for section in ("boundary_error", "integrals", "probes", "seconds"):
+        for name, value in dict(summary.get(section) or {}).items():
+            rows.append((f"{section}.{name}", value))
+    linear = summary.get("linear") or {}
+    rows += [(f"linear.{key}", linear[key]) for key in ("method", "residual", "iterations") if key in linear]
+    table(("result", "value"), rows, as_json, title=str(summary.get("title") or summary.get("case", "")))

@@ -1,0 +1,115 @@
+"""How much memory a discretisation would need, and whether this computer has it.
+
+The estimate counts what grows with the grid: the matrix in stencil form, ``((2p + 1)^d + 1) / 2`` numbers a
+spline, its compressed copy and the copy with extended splines; the vectors; the states of the cells; and the
+rules of the cut cells, whose number grows with the boundary.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rfm.errors import DiscretizationError
+
+if TYPE_CHECKING:
+    from rfm.app.case import Case
+    from rfm.geometry.shape import Shape
+    from solvers.problem import Discretization
+
+FRACTION = 0.8
+"""Part of the available memory that a run may use."""
+
+MATRIX_COPIES = 4.0
+"""Matrices in memory at the peak, in units of the half stencil with 8 bytes a number."""
+
+CELL_BYTES = 40
+"""Bytes a cell for its state and the tests that decide it."""
+
+
+def required_bytes(domain: Shape, discretization: Discretization) -> float:
+    """Upper estimate of the memory of a solve."""
+    cells = grid_cells(domain, discretization)
+    degree, dimension = discretization.degree, len(cells)
+    splines = math.prod(n + degree for n in cells)
+    stencil = ((2 * degree + 1) ** dimension + 1) / 2
+    points = discretization.quadrature_points or degree + 3
+    border = 2.0 * sum(math.prod(cells) / n for n in cells)
+    nodes = (2 * degree + 2) ** dimension + points**dimension
+    return 8.0 * (
+        MATRIX_COPIES * stencil * splines + 10 * splines + 2 * nodes * border
+    ) + CELL_BYTES * math.prod(cells)
+
+
+def grid_cells(domain: Shape, discretization: Discretization) -> tuple[float, ...]:
+    """Cells in every direction; not rounded, so that a vast grid cannot overflow."""
+    size = (discretization.box or domain.box).size
+    spacing = discretization.spacing or max(size) / discretization.grid
+    return tuple(max(1.0, math.ceil(length / spacing - 1e-9)) for length in size)
+
+
+def available_bytes() -> float:
+    """Memory that can be had now; infinite where the system does not tell."""
+    free = math.inf
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        free = next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable"))
+    except (OSError, StopIteration, ValueError):
+        free = _free_pages()
+    return min(free, _container_limit())
+
+
+def require_memory(domain: Shape, discretization: Discretization) -> None:
+    """Refuse a discretisation that would not fit.
+
+    Raises
+    ------
+    DiscretizationError
+        Names the memory it would need, what is there, and the flag that allows it.
+    """
+    needed, available = required_bytes(domain, discretization), available_bytes()
+    if needed > FRACTION * available:
+        cells = " x ".join(f"{n:.0f}" for n in grid_cells(domain, discretization))
+        raise DiscretizationError(
+            f"{cells} cells of degree {discretization.degree} would need about {shown(needed)} of memory, "
+            f"{shown(available)} are available; take a coarser grid or allow it with --allow-large"
+        )
+
+
+def refuse_large(case: Case) -> None:
+    """Refuse a case that would not fit into memory (see :func:`require_memory`)."""
+    from rfm.app.build import build_discretization, build_domain
+
+    domain = build_domain(case)
+    require_memory(domain, build_discretization(case, domain))
+
+
+def shown(size: float) -> str:
+    """Return a number of bytes in a readable unit."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} TB"
+
+
+def _free_pages() -> float:
+    names = getattr(os, "sysconf_names", {})
+    if "SC_AVPHYS_PAGES" in names:
+        return float(os.sysconf("SC_AVPHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    if "SC_PHYS_PAGES" in names:
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    return math.inf
+
+
+def _container_limit() -> float:
+    """What the control group of a container still allows."""
+    folder = Path("/sys/fs/cgroup")
+    try:
+        limit = (folder / "memory.max").read_text().strip()
+        used = int((folder / "memory.current").read_text())
+        return math.inf if limit == "max" else float(int(limit) - used)
+    except (OSError, ValueError):
+        return math.inf

@@ -1,0 +1,168 @@
+"""All pictures of one run, each drawn once, when it is asked for.
+
+Plane and solid runs are two painters with one interface; the dimension chooses between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from rfm.app.pictures.canvas import ERROR_MAP, FIELD_MAP, png_bytes, short_number
+from rfm.app.record import RunRecord
+from rfm.app.samples import Samples
+from rfm.calculus.types import Array
+from rfm.errors import RfmError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rfm.app.pictures.space import Solid
+
+
+class Painter(Protocol):
+    """Draws the pictures of one run as figures."""
+
+    def solution(self, title: str) -> Figure:
+        """Draw the solution."""
+
+    def error(self, title: str) -> Figure:
+        """Draw the difference from the exact solution."""
+
+    def shape(self, title: str) -> Figure:
+        """Draw the shape on its grid."""
+
+
+@dataclass(frozen=True)
+class PlanePainter:
+    """Draws a run in the plane."""
+
+    record: RunRecord
+    samples: Samples
+
+    def solution(self, title: str) -> Figure:
+        """Draw the solution."""
+        from rfm.app.pictures.plane import field_2d
+
+        return field_2d(self.samples.mesh, self.samples.u, title)
+
+    def error(self, title: str) -> Figure:
+        """Draw the difference from the exact solution."""
+        from rfm.app.pictures.plane import error_2d
+
+        error = np.zeros(len(self.samples.u)) if self.samples.error is None else self.samples.error
+        return error_2d(self.samples.mesh, error, title)
+
+    def shape(self, title: str) -> Figure:
+        """Draw the shape on its grid."""
+        from rfm.app.pictures.shape_grid import shape_2d
+
+        return shape_2d(self.record, self.samples.mesh, title)
+
+
+@dataclass(frozen=True)
+class SolidPainter:
+    """Draws a run in space."""
+
+    record: RunRecord
+    samples: Samples
+
+    @cached_property
+    def _solid(self) -> Solid:
+        from rfm.app.pictures.space import Solid
+
+        return Solid(self.record)
+
+    def solution(self, title: str) -> Figure:
+        """Draw the solution."""
+        from rfm.app.pictures.space import field_3d
+
+        return field_3d(self._solid, self.record.u, title, FIELD_MAP, symmetric=False)
+
+    def error(self, title: str) -> Figure:
+        """Draw the difference from the exact solution."""
+        from rfm.app.pictures.space import field_3d
+
+        return field_3d(self._solid, self._difference, title, ERROR_MAP, symmetric=True)
+
+    def shape(self, title: str) -> Figure:
+        """Draw the shape on its grid."""
+        from rfm.app.pictures.shape_grid import shape_3d
+
+        return shape_3d(self.record, self._solid, title)
+
+    def _difference(self, points: Array) -> Array:
+        exact = self.record.exact
+        if exact is None:
+            return np.zeros(len(points))
+        with np.errstate(all="ignore"):
+            return np.asarray(self.record.u(points) - exact(*np.ascontiguousarray(points.T)))
+
+
+PAINTERS: dict[int, type[PlanePainter] | type[SolidPainter]] = {2: PlanePainter, 3: SolidPainter}
+
+
+def painter(record: RunRecord, samples: Samples) -> Painter:
+    """Whoever draws runs of this dimension.
+
+    Raises
+    ------
+    RfmError
+        Nobody does.
+    """
+    dimension = record.domain.dimension
+    if dimension not in PAINTERS:
+        raise RfmError(f"no pictures are drawn in {dimension} dimensions, only in 2 and 3")
+    return PAINTERS[dimension](record, samples)
+
+
+def solution_figure(record: RunRecord, samples: Samples) -> Figure:
+    """The picture of the solution as a matplotlib figure."""
+    return painter(record, samples).solution(_solution_title(record))
+
+
+@dataclass(frozen=True)
+class Gallery:
+    """The pictures of a run as PNG, drawn on first use."""
+
+    record: RunRecord
+    samples: Samples
+
+    @cached_property
+    def solution(self) -> bytes:
+        """The solution: ``picture.png``."""
+        return png_bytes(self._painter.solution(_solution_title(self.record)))
+
+    @cached_property
+    def error(self) -> bytes | None:
+        """The difference from the exact solution; None when that is not known."""
+        if self.samples.error is None:
+            return None
+        finite = self.samples.error[np.isfinite(self.samples.error)]
+        largest = short_number(float(np.abs(finite).max(initial=0.0)))
+        return png_bytes(self._painter.error(f"u − exact, at most {largest}"))
+
+    @cached_property
+    def shape(self) -> bytes:
+        """The shape on its grid."""
+        cells = " × ".join(str(int(count)) for count in self.record.grid.cells)
+        return png_bytes(self._painter.shape(f"The shape on its grid of {cells} cells"))
+
+    @cached_property
+    def convergence(self) -> bytes | None:
+        """The convergence of the study; None when there was none."""
+        from rfm.app.pictures.convergence import convergence
+
+        figure = convergence(self.record.study or (), "Convergence")
+        return None if figure is None else png_bytes(figure)
+
+    @cached_property
+    def _painter(self) -> Painter:
+        return painter(self.record, self.samples)
+
+
+def _solution_title(record: RunRecord) -> str:
+    return f"{record.title}: u"

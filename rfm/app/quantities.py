@@ -1,0 +1,114 @@
+"""Probes and integrals of a case: numbers that a user asks of the solution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rfm.app.case import Case
+from rfm.app.schema.results import DOMAIN
+from rfm.errors import DataError, RfmError
+
+if TYPE_CHECKING:
+    from rfm.app.expressions.expression import ExpressionField
+    from rfm.app.schema.results import Integral
+    from rfm.calculus.types import Array
+    from rfm.geometry.surface import Surface
+    from solvers.quadrature.batch import PointBatch, TensorBatch
+    from solvers.solution import Solution
+
+
+def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
+    """Value and gradient of u at the probes of the case.
+
+    Raises
+    ------
+    CaseError
+        A probe lies outside the domain.
+    """
+    results: dict[str, dict[str, Any]] = {}
+    membership = solution.problem.domain.membership
+    tolerance = 1e-9 * float(np.max(solution.background.grid.spacing))
+    for name, point in case.probes.items():
+        if float(np.asarray(membership(*point))) < -tolerance:
+            raise case.error(("probes", name), "the point lies outside the domain")
+        jet = solution.trial.at([point], 1)[:, 0]
+        results[name] = {"point": list(point), "u": float(jet[0]), "gradient": [float(c) for c in jet[1:]]}
+    return results
+
+
+def integrals(case: Case, solution: Solution) -> dict[str, float]:
+    """Integrals of the case over parts of the boundary or over the domain.
+
+    Raises
+    ------
+    CaseError
+        A part is unknown, or an integrand is not finite.
+    """
+    return {name: _integral(case, name, wanted, solution) for name, wanted in case.integrals.items()}
+
+
+def _integral(case: Case, name: str, wanted: Integral, solution: Solution) -> float:
+    try:
+        if DOMAIN in wanted.on:
+            return _over_domain(case, name, wanted, solution)
+        return sum(
+            _over_part(case, name, part, wanted, solution) for part in _surfaces(case, name, wanted, solution)
+        )
+    except DataError as error:
+        raise case.error(("integrals", name, "of"), str(error)) from error
+
+
+def _surfaces(case: Case, name: str, wanted: Integral, solution: Solution) -> list[Surface]:
+    chosen: dict[Surface, None] = {}
+    for part_name in wanted.on:
+        try:
+            part = solution.problem.domain.part(part_name)
+        except RfmError as error:
+            raise case.error(("integrals", name, "on"), str(error)) from error
+        chosen.update(dict.fromkeys(sorted(part.surfaces, key=lambda s: s.label)))
+    return list(chosen)
+
+
+def _over_domain(case: Case, name: str, wanted: Integral, solution: Solution) -> float:
+    from solvers.norms import integrate
+
+    def integrand(batch: TensorBatch | PointBatch) -> Array:
+        if wanted.of == "area":
+            return np.ones(1)
+        return _expression_values(case, name, wanted, solution, batch)
+
+    return integrate(solution.background, solution.trial.degree, integrand)
+
+
+def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, solution: Solution) -> float:
+    rules: Mapping[Surface, PointBatch] = solution.background.rules.boundary
+    if surface not in rules:
+        return 0.0
+    batch, grid = rules[surface], solution.background.grid
+    if wanted.of == "area":
+        return float(batch.weights.sum())
+    if wanted.of == "flux":
+        gradient = solution.trial.jet(batch, 1)[1:]
+        values = solution.problem.equation.conormal_flux(batch.points(grid), gradient, batch.normals)
+    else:
+        values = _expression_values(case, name, wanted, solution, batch)
+    return float(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights))
+
+
+def _expression_values(
+    case: Case, name: str, wanted: Integral, solution: Solution, batch: TensorBatch | PointBatch
+) -> Array:
+    from solvers.data import require_finite
+
+    if isinstance(wanted.of, str):
+        raise TypeError(f"{wanted.of!r} is no expression")
+    field: ExpressionField = wanted.of.field(case.dimension, ("integrals", name, "of"), ("u",))
+    coords = batch.points(solution.background.grid)
+    values = np.broadcast_to(
+        np.asarray(field(*coords, solution.trial.jet(batch, 0)[0]), float), batch.weights.shape
+    )
+    require_finite("integrand", field, coords, np.where(batch.weights != 0, values, 0.0))
+    return values

@@ -1,0 +1,109 @@
+"""The problem of a resolved case in words and formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What is to be solved.
+
+    Attributes
+    ----------
+    equation
+        The equation, e.g. ``−Δu = f in Ω``.
+    where
+        Symbols and what they stand for.
+    conditions
+        One line per boundary condition.
+    shapes
+        Shapes and what they are, the domain last.
+    """
+
+    equation: str
+    where: tuple[tuple[str, str], ...]
+    conditions: tuple[str, ...]
+    shapes: tuple[tuple[str, str], ...]
+
+
+def state_problem(case: Mapping[str, Any]) -> Statement:
+    """Formulate the problem of a resolved case."""
+    name, data = next(iter(case.get("equation", {}).items()), ("", {}))
+    equation, where = EQUATIONS.get(name, _any_equation)(name, data)
+    if case.get("exact") is not None:
+        where = (*where, ("exact u", text(case["exact"])))
+    where += tuple((f"{key}", text(value)) for key, value in case.get("parameters", {}).items())
+    conditions = tuple(_condition(item) for item in case.get("boundary_conditions", ()))
+    geometry = case.get("geometry", {})
+    shapes = tuple((key, _shape(value)) for key, value in geometry.get("shapes", {}).items())
+    return Statement(equation, where, conditions, (*shapes, ("Ω", text(geometry.get("domain", "")))))
+
+
+def text(value: Any) -> str:
+    """Plain text of a value of a case."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {text(item)}" for key, item in value.items())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return f"[{', '.join(text(item) for item in value)}]"
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def is_number(value: Any, number: float) -> bool:
+    """Whether a datum (a number or its text) is this number."""
+    try:
+        return float(value) == number
+    except (TypeError, ValueError):
+        return False
+
+
+def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, tuple[tuple[str, str], ...]]:
+    conductivity, reaction = data.get("conductivity", 1), data.get("reaction", 0)
+    where = [("f", text(data.get("source", 0)))]
+    left = "−Δu"
+    if not is_number(conductivity, 1):
+        left = "−∇·(k ∇u)"
+        where.append(("k", text(conductivity)))
+    if not is_number(reaction, 0):
+        left += " + c u"
+        where.append(("c", text(reaction)))
+    return f"{left} = f in Ω", tuple(where)
+
+
+def _any_equation(name: str, data: Mapping[str, Any]) -> tuple[str, tuple[tuple[str, str], ...]]:
+    items = data.items() if isinstance(data, Mapping) else ()
+    return f"{name} in Ω", tuple((key, text(value)) for key, value in items)
+
+
+EQUATIONS: dict[str, Callable[..., tuple[str, tuple[tuple[str, str], ...]]]] = {"poisson": _poisson}
+"""How each equation is written; others are listed by their data."""
+
+
+def _condition(item: Mapping[str, Any]) -> str:
+    kind = next((name for name in CONDITIONS if item.get(name) is not None), None)
+    formula = CONDITIONS[kind](item[kind]) if kind else text(item)
+    names = item.get("on", "all")
+    part = names if isinstance(names, str) else ", ".join(names)
+    piece = f" where {item['where']}" if item.get("where") else ""
+    return f"{formula} on {part}{piece}"
+
+
+def _robin(data: Mapping[str, Any]) -> str:
+    return f"k ∂u/∂n + ({text(data.get('coefficient'))}) u = {text(data.get('value'))}"
+
+
+CONDITIONS: dict[str, Callable[[Any], str]] = {
+    "dirichlet": lambda value: f"u = {text(value)}",
+    "neumann": lambda value: f"k ∂u/∂n = {text(value)}",
+    "robin": _robin,
+}
+"""How each condition is written."""
+
+
+def _shape(data: Any) -> str:
+    if not isinstance(data, Mapping) or len(data) != 1:
+        return text(data)
+    kind, arguments = next(iter(data.items()))
+    return f"{kind}({text(arguments)})"

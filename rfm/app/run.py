@@ -1,0 +1,118 @@
+"""One run of a case: build, solve, measure, and, when asked, write its directory."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from rfm.app.build import build_discretization, build_problem, located, solver_options
+from rfm.app.case import Case
+from rfm.app.record import LinearFacts, Provenance, Residual, RunRecord
+from rfm.app.summary import Miss, misses, summarise
+from rfm.errors import RfmError
+
+if TYPE_CHECKING:
+    from solvers.problem import Condition
+    from solvers.solution import Solution
+    from solvers.stopwatch import Listener
+
+
+@dataclass(frozen=True)
+class Result:
+    """A solved case in memory.
+
+    Attributes
+    ----------
+    case, solution
+        What was asked for and what came out.
+    summary
+        Everything worth a number, as in ``summary.json``.
+    misses
+        Expectations of the case that are not met.
+    warnings
+        What the user should know although the run went through.
+    started
+        When the run began (UTC).
+    """
+
+    case: Case
+    solution: Solution
+    summary: dict[str, Any]
+    misses: tuple[Miss, ...]
+    warnings: tuple[str, ...] = ()
+    started: datetime = field(default_factory=lambda: datetime.now(UTC))
+
+
+def compute(case: Case, listener: Listener | None = None) -> Result:
+    """Solve a case and measure the result; nothing is written.
+
+    Raises
+    ------
+    CaseError
+        The case is wrong; the message carries the place.
+    RfmError
+        The shape, the discretisation or the numerics refuse it.
+    """
+    from rfm.app.warnings import warnings_of
+    from solvers import ritz
+
+    started, clock = datetime.now(UTC), time.perf_counter()
+    try:
+        problem = build_problem(case)
+        discretization = build_discretization(case, problem.domain)
+        solution = ritz.solve(problem, discretization, solver_options(case), listener)
+        summary = summarise(case, solution, time.perf_counter() - clock)
+        warnings = warnings_of(solution)
+    except RfmError as error:
+        raise located(case, error) from error
+    summary["warnings"] = list(warnings)
+    missed = tuple(misses(case, summary))
+    if missed:
+        summary["status"] = "missed"
+    return Result(case, solution, summary, missed, warnings, started)
+
+
+def record_of(result: Result, study: tuple[dict[str, Any], ...] | None = None) -> RunRecord:
+    """Everything files, pictures and the report are made of."""
+    case, solution = result.case, result.solution
+    trial, background, linear = solution.trial, solution.background, solution.linear
+    residuals = tuple(
+        Residual(
+            c.part.name, given.kind, _data_text(given), result.summary["boundary_error"].get(c.part.name, 0.0)
+        )
+        for c, given in zip(solution.problem.conditions, case.boundary_conditions, strict=True)
+    )
+    return RunRecord(
+        name=case.name,
+        title=case.title or case.name,
+        case=case.to_dict(),
+        summary=result.summary,
+        domain=solution.problem.domain,
+        grid=background.grid,
+        classification=background.classification,
+        degree=trial.degree,
+        basis=solution.discretization.basis,
+        coefficients=trial.coefficients,
+        u=solution.u,
+        gradient=solution.gradient,
+        provenance=Provenance.collect(result.started),
+        exact=solution.problem.exact,
+        residuals=residuals,
+        timings=result.summary["seconds"],
+        linear=LinearFacts(linear.method, linear.reason, solution.dofs, linear.residual, linear.iterations),
+        study=study,
+    )
+
+
+def _data_text(condition: Any) -> str:
+    """Data of a condition of the case as the user wrote them."""
+    value = getattr(condition, condition.kind)
+    if condition.kind == "robin":
+        return f"{_text(value.coefficient)} u + k du/dn = {_text(value.value)}"
+    return _text(value)
+
+
+def _text(datum: Any) -> str:
+    return str(getattr(datum, "text", datum))

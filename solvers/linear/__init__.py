@@ -1,0 +1,113 @@
+r"""Linear systems with a symmetric positive definite matrix.
+
+Every system is first scaled to a unit diagonal, ``D^-1/2 A D^-1/2 y = D^-1/2 b``: among all diagonal scalings that is
+optimal up to a factor (van der Sluis, Numer. Math. 14, 1969), it makes conjugate gradients those with Jacobi's
+preconditioner, and it lets one tolerance say when a matrix is singular. The residual that was reached is
+always computed from the matrix itself, and returned.
+
+A matrix with a known null space (all conditions are on the flux) is solved on its complement: the load is projected,
+and of all solutions the one orthogonal to the null space is returned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rfm.calculus.types import Array
+from rfm.errors import NumericsError
+from solvers.linear.choice import METHODS, Candidate, choose
+from solvers.linear.system import NotConverged, ScaledSystem
+
+__all__ = ["METHODS", "LinearSolution", "solve"]
+
+ACCEPTED = 1e-8
+"""A solution with a larger backward error is refused."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSolution:
+    """Solution of a linear system, and how it was found.
+
+    Attributes
+    ----------
+    x
+        The solution.
+    residual
+        ``|b - A x| / |b|``, of the projected load if there is a null space.
+    iterations
+        Iterations, or steps of iterative refinement after a direct method.
+    method
+        Name of the method.
+    reason
+        Why this method.
+    """
+
+    x: Array
+    residual: float
+    iterations: int
+    method: str
+    reason: str
+
+
+def solve(
+    matrix: Any,
+    load: ArrayLike,
+    method: str = "auto",
+    tolerance: float = 1e-12,
+    null_space: ArrayLike | None = None,
+) -> LinearSolution:
+    """Solve ``A x = b``.
+
+    Parameters
+    ----------
+    matrix
+        Symmetric positive (semi)definite array or sparse matrix, shape (n, n).
+    load
+        Right-hand side (n,).
+    method
+        ``auto`` or one of :data:`METHODS`.
+    tolerance
+        Relative residual at which iterative methods stop and direct ones need no refinement.
+    null_space
+        Vectors (n,) or (n, k) that span the null space, when the matrix has one.
+
+    Raises
+    ------
+    NumericsError
+        Unknown method, numbers that are not finite, a matrix that is singular or indefinite, no convergence.
+    """
+    system = ScaledSystem.of(matrix, np.asarray(load, dtype=float), null_space)
+    if method == "auto":
+        candidates = choose(system)
+    elif method in METHODS:
+        candidates = [Candidate(method, METHODS[method], "chosen by the user")]
+    else:
+        raise NumericsError(
+            f"unknown linear solver {method!r}: choose auto or one of {', '.join(sorted(METHODS))}"
+        )
+    if not system.load.any():
+        return LinearSolution(np.zeros(len(system.load)), 0.0, 0, "none", "the load is zero")
+    for number, candidate in enumerate(candidates, start=1):
+        try:
+            scaled, iterations = candidate.method.solve(system, tolerance)
+        except NotConverged:
+            if number == len(candidates):
+                raise
+            continue
+        return _accept(system, scaled, iterations, candidate)
+    raise NumericsError("no linear solver suits the system")
+
+
+def _accept(system: ScaledSystem, scaled: Array, iterations: int, candidate: Candidate) -> LinearSolution:
+    """Solution of the original system, refused when it does not solve a nearby one."""
+    x, residual = system.unscale(scaled)
+    if not system.backward_error(scaled) <= ACCEPTED:
+        raise NumericsError(
+            f"the linear solver {candidate.name} reached only a relative residual of {residual:.1e}: the system is "
+            "too ill-conditioned; lower the degree, use basis: web-spline, or raise quadrature_points"
+        )
+    return LinearSolution(x, residual, iterations, candidate.name, candidate.reason)

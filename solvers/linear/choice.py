@@ -1,0 +1,91 @@
+"""The methods by name, and the automatic choice among them.
+
+The choice is a list of methods to try in turn. Conjugate gradients come first on a sparse matrix: on WEB systems of
+low degree they beat every factorisation, and when the condition number is too large for them, the steps they
+were allowed have cost a fraction of the factorisation that follows. Times on one core: 5016 unknowns of degree 2 in
+3D, 0.11 s against 0.18 (multigrid), 1.6 (SuperLU), 3.4 (dense); 1792 of degree 4 in 3D, 1.2 s against 0.19 (dense)
+and 1.1 (SuperLU).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from rfm.calculus.types import Array
+from solvers.linear.direct import DenseCholesky, Pardiso, SuperLU
+from solvers.linear.iterative import ConjugateGradients, Multigrid
+from solvers.linear.system import ScaledSystem
+
+SMALL = 800
+"""Unknowns up to which a sparse matrix is solved as a dense one."""
+DENSE_LIMIT = 8000
+"""Unknowns up to which a dense factorisation fits comfortably into memory."""
+SPARSE_LIMIT = 6_000_000
+"""Entries up to which a sparse factorisation is tried."""
+LOW_DEGREE_ROW = 160
+"""Entries a row up to which multigrid is robust: degree 6 in 2D, but 2 in 3D."""
+TRIAL = (60, 400)
+"""Fewest and most steps that conjugate gradients are allowed before a factorisation."""
+
+
+class Method(Protocol):
+    """What every method does."""
+
+    def solve(self, system: ScaledSystem, tolerance: float) -> tuple[Array, int]:
+        """Solution of the scaled system and the iterations it took."""
+        ...
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A method to try, and why."""
+
+    name: str
+    method: Method
+    reason: str
+
+
+METHODS: dict[str, Method] = {
+    "dense": DenseCholesky(),
+    "superlu": SuperLU(),
+    "pardiso": Pardiso(),
+    "cg": ConjugateGradients(),
+    "amg": Multigrid(),
+}
+
+
+def choose(system: ScaledSystem) -> list[Candidate]:
+    """Methods for the system, in the order they are to be tried."""
+    n = len(system.load)
+    if not system.sparse:
+        return [Candidate("dense", METHODS["dense"], f"{n} unknowns, densely coupled")]
+    if n <= SMALL:
+        return [Candidate("dense", METHODS["dense"], f"only {n} unknowns")]
+    entries = int(system.original.nnz)
+    size = f"{n} unknowns with {entries / n:.0f} entries a row"
+    seconds, direct = _factorisation(n, entries, size)
+    step = 2e-9 * entries + 5e-5
+    trial = int(min(max(0.5 * seconds / step, TRIAL[0]), TRIAL[1]))
+    found = [Candidate("cg", ConjugateGradients(trial), f"{size}: cheaper than a factorisation")]
+    if entries / n <= LOW_DEGREE_ROW:
+        reason = f"{size}: conjugate gradients alone would need more than {trial} steps"
+        found.append(Candidate("amg", Multigrid(100), reason))
+    if direct is not None:
+        found.append(direct)
+    reason = f"{size}: too many for a factorisation, multigrid does not converge"
+    found.append(Candidate("cg", METHODS["cg"], reason))
+    return found
+
+
+def _factorisation(n: int, entries: int, size: str) -> tuple[float, Candidate | None]:
+    """Seconds of the cheapest factorisation, as measured on one core, and the factorisation if it is affordable."""
+    reason = f"{size}: iterative methods converge too slowly"
+    dense, sparse = n**3 / 45e9, 2.5e-6 * entries
+    if Pardiso.available() and entries <= SPARSE_LIMIT:
+        return 0.2 * sparse, Candidate("pardiso", METHODS["pardiso"], f"{reason}, and pypardiso is installed")
+    if n <= DENSE_LIMIT and dense <= sparse:
+        return dense, Candidate("dense", METHODS["dense"], reason)
+    if entries <= SPARSE_LIMIT:
+        return sparse, Candidate("superlu", METHODS["superlu"], reason)
+    return sparse, None

@@ -1,0 +1,98 @@
+"""Iterative methods: conjugate gradients, plain on the scaled matrix (Jacobi) or with algebraic multigrid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfm.calculus.types import Array
+from rfm.errors import NumericsError
+from solvers.linear.system import INDEFINITE, NotConverged, ScaledSystem
+
+STALLED = 400
+"""Iterations without a smaller residual after which conjugate gradients give up."""
+
+
+def conjugate_gradients(
+    apply: Callable[[Array], Array],
+    system: ScaledSystem,
+    tolerance: float,
+    limit: int,
+    precondition: Callable[[Array], Array],
+) -> tuple[Array, int]:
+    """Preconditioned conjugate gradients (Hestenes and Stiefel 1952) on the complement of the null space.
+
+    The stopping test is on the residual of the original system, so that it means what is reported.
+
+    Raises
+    ------
+    NumericsError
+        A direction of negative energy was met.
+    NotConverged
+        The tolerance was not reached.
+    """
+    target = tolerance * float(np.linalg.norm(system.load))
+    unscale = 1.0 / system.scale
+    x = np.zeros_like(system.load)
+    remainder = system.project(system.scaled_load)
+    direction = np.zeros_like(x)
+    old, best, best_step = 1.0, np.inf, 0
+    for step in range(limit):
+        norm = float(np.linalg.norm(unscale * remainder))
+        if norm <= target:
+            return x, step
+        if norm < best:
+            best, best_step = norm, step
+        if step - best_step > STALLED:
+            break
+        preconditioned = system.project(precondition(remainder))
+        product = float(remainder @ preconditioned)
+        direction = preconditioned + (product / old if step else 0.0) * direction
+        image = apply(direction)
+        curvature = float(direction @ image)
+        if not curvature > 0:
+            if best <= 1e3 * target:  # the noise of rounding, at the end of the way
+                return x, step
+            raise NumericsError(INDEFINITE.format(why=f"negative curvature in iteration {step}"))
+        length = product / curvature
+        x += length * direction
+        remainder = system.project(remainder - length * image)
+        old = product
+    raise NotConverged(
+        f"conjugate gradients reached a relative residual of {best / target * tolerance:.1e} only, not "
+        f"{tolerance:.1e}, in {step + 1} iterations: choose the linear solver superlu or dense, a lower degree, "
+        "or basis: web-spline"
+    )
+
+
+@dataclass(frozen=True)
+class ConjugateGradients:
+    """Conjugate gradients with Jacobi's preconditioner (which is the scaling)."""
+
+    limit: int = 10_000
+
+    def solve(self, system: ScaledSystem, tolerance: float) -> tuple[Array, int]:
+        """Solve to the relative residual `tolerance`."""
+        matrix = system.scaled_sparse() if system.sparse else system.scaled_array()
+        return conjugate_gradients(lambda v: matrix @ v, system, tolerance, self.limit, lambda v: v)
+
+
+@dataclass(frozen=True)
+class Multigrid:
+    """Conjugate gradients with a V-cycle of smoothed aggregation (Vanek, Mandel, Brezina, Computing 56, 1996)."""
+
+    limit: int = 500
+
+    def solve(self, system: ScaledSystem, tolerance: float) -> tuple[Array, int]:
+        """Solve to the relative residual `tolerance`."""
+        from pyamg import smoothed_aggregation_solver
+        from scipy.sparse import csr_matrix
+
+        matrix = csr_matrix(system.scaled_sparse())
+        matrix.sort_indices()
+        # slowly varying splines have equal coefficients: the near-kernel of the scaled matrix
+        hierarchy = smoothed_aggregation_solver(matrix, B=(1.0 / system.scale)[:, None], max_coarse=100)
+        cycle = hierarchy.aspreconditioner()
+        return conjugate_gradients(lambda v: matrix @ v, system, tolerance, self.limit, cycle.matvec)

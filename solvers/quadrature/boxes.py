@@ -1,0 +1,203 @@
+"""Boxes inside cells, with the polynomials of the surfaces that matter there.
+
+A *slot* is one of the ``m`` surfaces that matter in a box; boxes are kept in groups with the same number of slots and
+the same polynomial degree, so that every step is one array operation over the group.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.quadrature import bernstein
+from solvers.quadrature.logic import Logic, Mask, Signs
+from solvers.quadrature.sampling import degree_of, sample
+
+if TYPE_CHECKING:
+    from rfm.calculus.types import Array
+    from solvers.grid import Grid, Integers
+
+RESAMPLINGS = 6
+"""Halvings of a box in which a surface is not yet well approximated by its interpolant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """A group of boxes.
+
+    Attributes
+    ----------
+    row
+        Number of the cell each box lies in, shape ``(n,)``.
+    lower, width
+        Corner and side lengths in unit coordinates of the cell, shape ``(n, d)``.
+    slots
+        Surface of each slot, shape ``(n, m)``.
+    c
+        Bernstein coefficients of the slots, shape ``(n, m, K+1, ..., K+1)``.
+    noise
+        Rounding (and interpolation) noise of the coefficients, shape ``(n, m)``.
+    signs
+        Signs of all surfaces, shape ``(n, S)``; those of the slots are 0.
+    depth
+        Number of halvings.
+    """
+
+    row: Integers
+    lower: Array
+    width: Array
+    slots: Integers
+    c: Array
+    noise: Array
+    signs: Signs
+    depth: int = 0
+
+    def __len__(self) -> int:
+        """Number of boxes."""
+        return len(self.row)
+
+    @property
+    def dimension(self) -> int:
+        """Number of directions."""
+        return self.lower.shape[1]
+
+    @property
+    def degree(self) -> int:
+        """Polynomial degree in each direction."""
+        return self.c.shape[-1] - 1
+
+    @cached_property
+    def range(self) -> tuple[Array, Array]:
+        """Bounds of the slots, two arrays of shape ``(n, m)``."""
+        return bernstein.bounds(self.c, self.dimension)
+
+    @property
+    def all_signs(self) -> Signs:
+        """Signs of all surfaces; a surface that only touches the box counts by the side the box is on."""
+        low, high = self.range
+        return self._with(np.where(low >= -self.noise, 1, np.where(high <= self.noise, -1, 0)))
+
+    def _with(self, slot_signs: Array | Integers) -> Signs:
+        signs = self.signs.copy()
+        np.put_along_axis(signs, self.slots, slot_signs.astype(np.int8), axis=1)
+        return signs
+
+    def take(self, rows: Integers) -> Boxes:
+        """Return some of the boxes."""
+        return replace(
+            self,
+            row=self.row[rows],
+            lower=self.lower[rows],
+            width=self.width[rows],
+            slots=self.slots[rows],
+            c=self.c[rows],
+            noise=self.noise[rows],
+            signs=self.signs[rows],
+        )
+
+    def choose(self, rows: Integers, slots: Integers, signs: Signs) -> Boxes:
+        """Return boxes ``rows`` with only the slots ``slots (len(rows), m')`` and new signs of all surfaces."""
+        return replace(
+            self,
+            row=self.row[rows],
+            lower=self.lower[rows],
+            width=self.width[rows],
+            slots=self.slots[rows[:, None], slots],
+            c=self.c[rows[:, None], slots],
+            noise=self.noise[rows[:, None], slots],
+            signs=signs,
+        )
+
+
+def strict_signs(boxes: Boxes) -> Signs:
+    """Return signs of all surfaces, 0 for one that touches the closed box."""
+    low, high = boxes.range
+    return boxes._with(np.where(low > boxes.noise, 1, np.where(high < -boxes.noise, -1, 0)))
+
+
+def initial_boxes(
+    logic: Logic, grid: Grid, cells: Integers, signs: Signs, active: Mask, rows: Integers
+) -> Iterator[Boxes]:
+    """Sample the active surfaces of cells; boxes are halved until the interpolants are accurate.
+
+    Parameters
+    ----------
+    logic
+        The domain.
+    grid, cells
+        All cells ``(n, d)`` of the job.
+    signs, active
+        Signs of all surfaces and which of them matter, shape ``(n, S)``.
+    rows
+        Which cells are wanted.
+    """
+    active = active[rows]
+    degrees = np.array([degree_of(surface) for surface in logic.surfaces])
+    count = active.sum(axis=1)
+    degree = np.where(active, degrees, 1).max(axis=1)
+    for m, k in sorted(set(zip(count.tolist(), degree.tolist(), strict=True))):
+        chosen = np.flatnonzero((count == m) & (degree == k))
+        slots = np.nonzero(active[chosen])[1].reshape(len(chosen), m)
+        n, d = len(chosen), grid.dimension
+        base = signs[rows[chosen]]
+        np.put_along_axis(base, slots, np.int8(0), axis=1)
+        yield from _sampled(logic, grid, cells, rows[chosen], np.zeros((n, d)), np.ones((n, d)), slots, base, k)
+
+
+def _sampled(
+    logic: Logic,
+    grid: Grid,
+    cells: Integers,
+    rows: Integers,
+    lower: Array,
+    width: Array,
+    slots: Integers,
+    signs: Signs,
+    degree: int,
+    depth: int = 0,
+) -> Iterator[Boxes]:
+    n, m = slots.shape
+    d = grid.dimension
+    c = np.empty((n, m, *[degree + 1] * d))
+    noise = np.empty((n, m))
+    good = np.ones(n, dtype=bool)
+    for s in np.unique(slots):
+        box, slot = np.nonzero(slots == s)
+        samples = sample(logic.surfaces[s], grid, cells[rows[box]], lower[box], width[box], degree)
+        c[box, slot] = samples.coefficients
+        noise[box, slot] = samples.noise + samples.error
+        good[box] &= samples.good
+    if depth == RESAMPLINGS:
+        good[:] = True
+    if good.any():
+        keep = np.flatnonzero(good)
+        yield Boxes(rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], depth)
+    bad = np.flatnonzero(~good)
+    if bad.size:
+        half = 0.5 * width[bad]
+        for corner in np.ndindex(*[2] * d):
+            yield from _sampled(
+                logic, grid, cells, rows[bad], lower[bad] + half * corner, half, slots[bad], signs[bad], degree, depth + 1
+            )
+
+
+def children(boxes: Boxes, axes: Iterable[int]) -> Iterator[Boxes]:
+    """Halve boxes along some directions."""
+    parts = [boxes]
+    for axis in axes:
+        halved = []
+        for part in parts:
+            left, right = bernstein.bisect(part.c, 2 + axis)
+            width = part.width.copy()
+            width[:, axis] *= 0.5
+            shifted = part.lower.copy()
+            shifted[:, axis] += width[:, axis]
+            halved.append(replace(part, width=width, c=left))
+            halved.append(replace(part, lower=shifted, width=width, c=right))
+        parts = halved
+    for part in parts:
+        yield replace(part, depth=boxes.depth + 1)

@@ -1,0 +1,160 @@
+r"""Choice of the directions in which surfaces are graphs.
+
+A surface is a graph over the base in direction ``k`` when :math:`\partial_k f` keeps its sign on the box.  How well
+Gauss rules converge on the base is decided by how much it varies: the height function has a branch point where
+:math:`\partial_k f = 0`, and with :math:`\rho = \max|\partial_k f| / \min|\partial_k f|` it is :math:`1/(\rho^2 - 1)`
+base lengths away (for a quadric).  So the direction with the least :math:`\rho` is chosen, and boxes with
+:math:`\rho` above :data:`STEADY` are halved.
+
+In three dimensions the base is swept in lines along a second direction ``j`` for values of the third coordinate; the
+traces of surfaces on the faces ``x_k = const`` have to be graphs in direction ``j``, and so do the edges in which two
+surfaces meet: :math:`\partial_k f\,\partial_j g - \partial_j f\,\partial_k g` has to keep its sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.quadrature import bernstein
+
+if TYPE_CHECKING:
+    from rfm.calculus.types import Array
+    from solvers.grid import Integers
+    from solvers.quadrature.boxes import Boxes
+    from solvers.quadrature.logic import Mask
+
+STEADY = 3.0
+"""Largest accepted ratio of derivatives along the height direction."""
+
+STEADY_EDGE = 8.0
+"""The same for the traces on faces and for edges."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """Directions of a group of boxes.
+
+    Attributes
+    ----------
+    axes
+        Order ``(k, j[, l])`` of the directions, shape ``(n, d)``.
+    upright
+        Which slots do not depend on ``x_k``, shape ``(n, m)``.
+    valid
+        Whether everything is a graph, shape ``(n,)``.
+    base_only
+        Whether halving the directions other than ``k`` may be enough, shape ``(n,)``.
+    """
+
+    axes: Integers
+    upright: Mask
+    valid: Mask
+    base_only: Mask
+
+
+def choose(boxes: Boxes, heights: int) -> Choice:
+    """Choose directions.
+
+    Parameters
+    ----------
+    boxes
+        A group of boxes with at least one slot.
+    heights
+        How many of the first slots need a height: all for a volume, 1 for the boundary on slot 0.
+    """
+    d = boxes.dimension
+    low, high = _slopes(boxes.c, d)
+    level = 4 * (boxes.degree + 1) * boxes.noise[..., None]
+    upright = np.maximum(np.abs(low), np.abs(high)) <= level
+    unsteady = _unsteadiness(low, high)
+    steep = np.maximum(np.abs(low), np.abs(high)).sum(axis=2, keepdims=True) / np.maximum(_least(low, high), 1e-300)
+    score = np.where(upright, 1.0, unsteady) + np.where(upright, 0.2, np.minimum(0.02 * steep, 1.0))
+    if heights == 1:
+        score = np.where(upright, np.inf, score)
+    score = score[:, :heights].max(axis=1)
+    limit = STEADY + 1.0
+    orders = list(permutations(range(d)))
+    rows = np.arange(len(boxes))
+    if d == 2:  # noqa: PLR2004
+        best = score.argmin(axis=1)
+        axes = np.asarray(orders)[best]
+        valid = score[rows, best] <= limit
+        return Choice(axes, upright[rows, :, best], valid, np.zeros_like(valid))
+    totals = np.empty((len(boxes), len(orders)))
+    for number, order in enumerate(orders):
+        k, j, _ = order
+        traces = _trace_score(boxes, k, j, heights)
+        edges = _edge_score(low, high, upright, level[..., 0], k, j, heights)
+        totals[:, number] = score[:, k] + 1e3 * (score[:, k] > limit) + 0.1 * traces + 0.05 * edges
+    best = totals.argmin(axis=1)
+    axes = np.asarray(orders)[best]
+    good_height = (score.min(axis=1) <= limit) & (boxes.slots.shape[1] == 1)
+    valid = totals[rows, best] < 1e2
+    # Halve the base in the direction of the best height when only the base is in the way.
+    axes = np.where(valid[:, None], axes, np.asarray(orders)[2 * score.argmin(axis=1)])
+    return Choice(axes, upright[rows, :, axes[:, 0]], valid, good_height)
+
+
+def _slopes(c: Array, d: int) -> tuple[Array, Array]:
+    """Bounds of the derivatives in every direction, two arrays ``(n, m, d)``."""
+    ranges = [bernstein.bounds(bernstein.derivative(c, axis), d) for axis in range(-d, 0)]
+    return np.stack([r[0] for r in ranges], axis=-1), np.stack([r[1] for r in ranges], axis=-1)
+
+
+def _least(low: Array, high: Array) -> Array:
+    """Least modulus of a range, 0 when it contains 0."""
+    return np.where(low > 0, low, np.where(high < 0, -high, 0.0))
+
+
+def _unsteadiness(low: Array, high: Array) -> Array:
+    """Greatest over least modulus, infinite when the range contains 0."""
+    least = _least(low, high)
+    greatest = np.maximum(np.abs(low), np.abs(high))
+    return np.where(least > 0, greatest / np.where(least > 0, least, 1.0), np.inf)
+
+
+def _trace_score(boxes: Boxes, k: int, j: int, heights: int) -> Array:
+    """Unsteadiness along ``j`` of the surfaces on the two faces across ``k``: 0 if fine, large if not."""
+    c = boxes.c[:, :heights]
+    noise = boxes.noise[:, :heights]
+    axis = 2 + (j if j < k else j - 1)
+    worst = np.zeros(len(boxes))
+    for face in (np.take(c, 0, axis=2 + k), np.take(c, -1, axis=2 + k)):
+        low, high = bernstein.bounds(face, 2)
+        meets = (low < -noise) & (high > noise)
+        d_low, d_high = bernstein.bounds(bernstein.derivative(face, axis), 2)
+        level = 4 * (boxes.degree + 1) * noise
+        flat = np.maximum(np.abs(d_low), np.abs(d_high)) <= level
+        score = _unsteadiness(d_low, d_high)
+        score = np.where(score <= STEADY_EDGE, score, 1e4)
+        worst = np.maximum(worst, np.where(meets & ~flat, score, 0.0).max(axis=1))
+    return worst
+
+
+def _edge_score(
+    low: Array, high: Array, upright: Mask, level: Array, k: int, j: int, heights: int
+) -> Array:
+    """Unsteadiness along ``j`` of the edges between slots, 0 if there are none."""
+    m = low.shape[1]
+    worst = np.zeros(len(low))
+    zero = np.where(upright, 0.0, 1.0)
+    low, high = low * zero, high * zero
+    for a in range(min(heights, m)):
+        for b in range(a + 1, m):
+            first = _product(low[:, a, k], high[:, a, k], low[:, b, j], high[:, b, j])
+            second = _product(low[:, a, j], high[:, a, j], low[:, b, k], high[:, b, k])
+            minor_low, minor_high = first[0] - second[1], first[1] - second[0]
+            flat = (minor_low == 0) & (minor_high == 0)
+            score = _unsteadiness(minor_low, minor_high)
+            score = np.where(score <= STEADY_EDGE, score, 1e4)
+            worst = np.maximum(worst, np.where(flat, 0.0, score))
+    return worst
+
+
+def _product(a_low: Array, a_high: Array, b_low: Array, b_high: Array) -> tuple[Array, Array]:
+    products = np.stack([a_low * b_low, a_low * b_high, a_high * b_low, a_high * b_high])
+    return products.min(axis=0), products.max(axis=0)

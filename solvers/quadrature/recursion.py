@@ -1,0 +1,240 @@
+"""Recursion from cells to boxes in which the surfaces are graphs.
+
+A box whose surfaces are graphs over a common base is integrated; any other is halved.  Surfaces that cannot matter in
+a box are forgotten there, and boxes that lie inside as a whole get a tensor Gauss rule.  At the greatest depth a box
+is integrated by the Gauss points that lie inside, and its volume is reported as unresolved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.quadrature import bernstein
+from solvers.quadrature.boxes import Boxes, children, strict_signs
+from solvers.quadrature.directions import Choice, choose
+from solvers.quadrature.logic import Logic
+from solvers.quadrature.pieces import gauss
+from solvers.quadrature.surface import boundary_points
+from solvers.quadrature.tensor import tensor_weights
+from solvers.quadrature.volume import Graphs, volume_points
+
+if TYPE_CHECKING:
+    from rfm.calculus.types import Array
+    from solvers.grid import Integers
+
+DEPTH = {2: 14, 3: 7}
+"""Halvings of a cell before a box is given up."""
+
+MOST_SLOTS = 5
+"""Boxes with more surfaces are halved first."""
+
+POINTS_AT_ONCE = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class VolumePart:
+    """Flat volume rule: cell rows, unit coordinates, weights in units of the cell, unresolved volume."""
+
+    row: Integers
+    nodes: Array
+    weights: Array
+    unresolved: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryPart:
+    """Flat boundary rule over the bases.
+
+    Attributes
+    ----------
+    row, nodes
+        Cell rows ``(N,)`` and unit coordinates ``(N, d)``.
+    weights
+        Measure of the base per point, in units of the cell's extent across ``axis``.
+    axis
+        Height direction, shape ``(N,)``.
+    inner_sign
+        Sign of the surface's function on the side of the domain, shape ``(N,)``.
+    surface
+        Number of the surface, shape ``(N,)``.
+    """
+
+    row: Integers
+    nodes: Array
+    weights: Array
+    axis: Integers
+    inner_sign: Array
+    surface: Integers
+
+
+def volume_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[VolumePart]:
+    """Integrate over the domain in some boxes, ``order`` points on each piece of a line."""
+    pending = list(boxes)
+    while pending:
+        group = pending.pop()
+        signs = group.all_signs
+        value = logic.value(signs)
+        full = np.flatnonzero(value > 0)
+        if full.size:
+            yield _whole(group, full, order)
+        open_rows = np.flatnonzero(value == 0)
+        for part in _grouped(logic, group, open_rows, signs[open_rows], 0):
+            for piece in _chunks(part, order):
+                choice = _choose(piece, piece.slots.shape[1])
+                if choice.valid.any():
+                    yield _integrate(logic, piece, choice, order)
+                rest = np.flatnonzero(~choice.valid)
+                if not rest.size:
+                    continue
+                if piece.depth >= DEPTH[piece.dimension]:
+                    yield _fallback(logic, piece.take(rest), order)
+                else:
+                    pending.extend(_halved(piece, choice, rest))
+
+
+def boundary_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[BoundaryPart]:
+    """Integrate over the boundary of the domain in some boxes, ``order`` points on each piece of a base line."""
+    pending = [target for group in boxes for target in _targets(logic, group)]
+    while pending:
+        group = pending.pop()
+        signs = strict_signs(group)
+        rows = np.flatnonzero(logic.relevant(signs)[np.arange(len(group)), group.slots[:, 0]])
+        for part in _grouped(logic, group, rows, signs[rows], 1):
+            for piece in _chunks(part, order):
+                choice = _choose(piece, 1)
+                if choice.valid.any():
+                    yield _integrate_boundary(logic, piece, choice, order)
+                rest = np.flatnonzero(~choice.valid)
+                if rest.size and piece.depth < DEPTH[piece.dimension]:
+                    pending.extend(_halved(piece, choice, rest))
+
+
+def _targets(logic: Logic, group: Boxes) -> Iterator[Boxes]:
+    """One group for each slot, with that slot first; auxiliary surfaces bear no boundary."""
+    m = group.slots.shape[1]
+    bears = np.array([not surface.auxiliary for surface in logic.surfaces])
+    for a in range(m):
+        rows = np.flatnonzero(bears[group.slots[:, a]])
+        order = np.array([a, *(b for b in range(m) if b != a)])
+        if rows.size:
+            yield group.choose(rows, np.broadcast_to(order, (rows.size, m)), group.signs[rows])
+
+
+def _grouped(logic: Logic, group: Boxes, rows: Integers, signs: Array, fixed: int) -> Iterator[Boxes]:
+    """Split boxes by the number of slots that still matter and drop the others; the first ``fixed`` slots stay first."""
+    if not rows.size:
+        return
+    live = np.take_along_axis(logic.relevant(signs), group.slots[rows], axis=1)
+    live[:, :fixed] = True
+    count = live.sum(axis=1)
+    order = np.argsort(~live, axis=1, kind="stable")
+    for m in np.unique(count):
+        chosen = np.flatnonzero(count == m)
+        part = group.choose(rows[chosen], order[chosen, :m], signs[chosen])
+        np.put_along_axis(part.signs, part.slots, np.int8(0), axis=1)
+        yield part
+
+
+def _chunks(group: Boxes, order: int) -> Iterator[Boxes]:
+    step = max(1, POINTS_AT_ONCE // (4 * order**group.dimension))
+    if len(group) <= step:
+        yield group
+        return
+    for start in range(0, len(group), step):
+        yield group.take(np.arange(start, min(start + step, len(group))))
+
+
+def _choose(boxes: Boxes, heights: int) -> Choice:
+    choice = choose(boxes, heights)
+    if boxes.slots.shape[1] > MOST_SLOTS:
+        choice.valid[:] = False
+        choice.base_only[:] = False
+    return choice
+
+
+def _halved(boxes: Boxes, choice: Choice, rows: Integers) -> Iterator[Boxes]:
+    """Halve boxes in all directions, or in all but the height direction."""
+    d = boxes.dimension
+    everywhere = rows[~choice.base_only[rows]]
+    if everywhere.size:
+        yield from children(boxes.take(everywhere), range(d))
+    for k in range(d):
+        chosen = rows[choice.base_only[rows] & (choice.axes[rows, 0] == k)]
+        if chosen.size:
+            yield from children(boxes.take(chosen), [axis for axis in range(d) if axis != k])
+
+
+def _graphs(logic: Logic, boxes: Boxes, choice: Choice, rows: Integers) -> Graphs:
+    """Coefficients with axes in the chosen order."""
+    d = boxes.dimension
+    c = boxes.c[rows]
+    axes = choice.axes[rows]
+    for order in np.unique(axes, axis=0):
+        if (order != np.arange(d)).any():
+            same = np.flatnonzero((axes == order).all(axis=1))
+            c[same] = c[same].transpose(0, 1, *(2 + order))
+    table = logic.table(boxes.signs[rows], boxes.slots[rows])
+    return Graphs(c, boxes.noise[rows], choice.upright[rows], table)
+
+
+def _unit(boxes: Boxes, rows: Integers, axes: Integers, at: Array) -> Array:
+    """Unit coordinates of the cell from coordinates of boxes in the chosen order of axes."""
+    nodes = np.empty_like(at)
+    np.put_along_axis(nodes, axes, at, axis=1)
+    return np.asarray(boxes.lower[rows] + boxes.width[rows] * nodes)
+
+
+def _integrate(logic: Logic, boxes: Boxes, choice: Choice, order: int) -> VolumePart:
+    rows = np.flatnonzero(choice.valid)
+    points = volume_points(_graphs(logic, boxes, choice, rows), order)
+    owner = rows[points.owner]
+    weights = points.weight * boxes.width.prod(axis=1)[owner]
+    return VolumePart(boxes.row[owner], _unit(boxes, owner, choice.axes[owner], points.at), weights)
+
+
+def _integrate_boundary(logic: Logic, boxes: Boxes, choice: Choice, order: int) -> BoundaryPart:
+    rows = np.flatnonzero(choice.valid)
+    graphs = _graphs(logic, boxes, choice, rows)
+    preceding = boxes.slots[rows] < boxes.slots[rows, :1]
+    preceding &= np.array([not surface.auxiliary for surface in logic.surfaces])[boxes.slots[rows]]
+    points = boundary_points(graphs, preceding, order)
+    owner = rows[points.owner]
+    axis = choice.axes[owner, 0]
+    weights = points.weight * boxes.width.prod(axis=1)[owner] / boxes.width[owner, axis]
+    nodes = _unit(boxes, owner, choice.axes[owner], points.at)
+    return BoundaryPart(boxes.row[owner], nodes, weights, axis, points.inner_sign, boxes.slots[owner, 0])
+
+
+def _whole(boxes: Boxes, rows: Integers, order: int) -> VolumePart:
+    """Tensor Gauss rule on whole boxes."""
+    t, w = gauss(order)
+    d = boxes.dimension
+    tensor = np.asarray(list(product(t, repeat=d)))
+    nodes = boxes.lower[rows, None, :] + boxes.width[rows, None, :] * tensor
+    weights = boxes.width[rows].prod(axis=1)[:, None] * tensor_weights(w, d)
+    return VolumePart(np.repeat(boxes.row[rows], len(tensor)), nodes.reshape(-1, d), weights.ravel())
+
+
+def _fallback(logic: Logic, boxes: Boxes, order: int) -> VolumePart:
+    """Gauss points of the boxes that lie inside; the volume of the boxes is unresolved."""
+    d = boxes.dimension
+    t, _ = gauss(order)
+    values = boxes.c
+    matrix = bernstein.basis(boxes.degree, t)
+    for axis in range(-d, 0):
+        values = bernstein.transform(matrix, values, axis)
+    n, m = boxes.slots.shape
+    positive = values.reshape(n, m, -1) > 0
+    signs = np.repeat(boxes.signs, positive.shape[2], axis=0)
+    slots = np.repeat(boxes.slots, positive.shape[2], axis=0)
+    slot_signs = np.where(positive, 1, -1).astype(np.int8).transpose(0, 2, 1).reshape(-1, m)
+    np.put_along_axis(signs, slots, slot_signs, axis=1)
+    inside = np.flatnonzero(logic.value(signs) > 0)
+    whole = _whole(boxes, np.arange(n), order)
+    lost = float(boxes.width.prod(axis=1).sum())
+    return VolumePart(whole.row[inside], whole.nodes[inside], whole.weights[inside], lost)

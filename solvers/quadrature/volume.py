@@ -1,0 +1,137 @@
+"""Volume rules in boxes in which every surface is a graph over a common base.
+
+Notation: the axes of the coefficient arrays are ``x`` (the height direction), ``y`` and, in three dimensions, ``z``
+last.  Base lines are broken wherever the structure of the lines along ``x`` changes (a height enters or leaves the
+box, two heights meet), lines are broken at their roots, every piece gets a Gauss rule, and pieces inside the domain
+are kept: all weights are positive and the integrand is smooth on each piece (R. Saye, SIAM J. Sci. Comput. 37, 2015).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.quadrature.heights import edge_breaks, face_roots, height, meetings, restrict, triple_points
+from solvers.quadrature.pieces import SHORTEST, broken, gauss
+
+if TYPE_CHECKING:
+    from rfm.calculus.types import Array
+    from solvers.grid import Integers
+    from solvers.quadrature.logic import Mask
+    from solvers.quadrature.pieces import Breaks
+
+
+@dataclass(frozen=True, eq=False)
+class Graphs:
+    """Surfaces over a common base.
+
+    Attributes
+    ----------
+    c
+        Coefficients, axes ordered ``(x, y[, z])``, shape ``(n, m, K+1, ..., K+1)``.
+    noise
+        Rounding level of the coefficients, shape ``(n, m)``.
+    upright
+        Which surfaces do not depend on ``x`` (no height; their trace on the base is a break), shape ``(n, m)``.
+    table
+        Whether the domain contains each combination of signs (see :meth:`Logic.table`), shape ``(n, 2**m)``.
+    """
+
+    c: Array
+    noise: Array
+    upright: Mask
+    table: Mask
+
+    def slices(self, owner: Integers, z: Array) -> Graphs:
+        """Return the two-dimensional slices at ``z (P, q)`` of boxes ``owner (P,)``, ``P*q`` of them."""
+        q = z.shape[1]
+        c = restrict(self.c[owner], z)
+        where = np.repeat(owner, q)
+        return Graphs(c.reshape(-1, *c.shape[2:]), self.noise[where], self.upright[where], self.table[where])
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """A flat rule: box numbers ``(N,)``, coordinates ``(N, d)`` in box units (``x, y[, z]``), weights ``(N,)``."""
+
+    owner: Integers
+    at: Array
+    weight: Array
+
+
+def volume_points(graphs: Graphs, order: int) -> Points:
+    """Return the rule for the domain in all boxes."""
+    if graphs.c.ndim == 4:  # noqa: PLR2004
+        return _plane(graphs, order)
+    owner, z, weight = base_nodes(graphs, order, all_pairs(graphs), all_triples(graphs))
+    plane = _plane(graphs.slices(owner, z), order)
+    at = np.column_stack([plane.at, z.ravel()[plane.owner]])
+    return Points(np.repeat(owner, order)[plane.owner], at, plane.weight * weight.ravel()[plane.owner])
+
+
+def all_pairs(graphs: Graphs) -> list[tuple[int, int]]:
+    """Return all pairs of slots."""
+    return list(combinations(range(graphs.noise.shape[1]), 2))
+
+
+def all_triples(graphs: Graphs) -> list[tuple[int, int, int]]:
+    """Return all triples of slots."""
+    return list(combinations(range(graphs.noise.shape[1]), 3))
+
+
+def base_nodes(
+    graphs: Graphs, order: int, pairs: list[tuple[int, int]], triples: list[tuple[int, int, int]]
+) -> tuple[Integers, Array, Array]:
+    """Return box numbers ``(P,)``, nodes ``(P, order)`` and weights ``(P, order)`` along ``z``."""
+    breaks = edge_breaks(graphs.c, graphs.noise, pairs)
+    if triples:
+        breaks += triple_points(graphs.c, graphs.noise, triples, breaks)
+    pieces = broken(len(graphs.c), breaks)
+    t, w = gauss(order)
+    return pieces.owner, pieces.nodes(t), pieces.length[:, None] * w
+
+
+def line_breaks(graphs: Graphs, slots: slice, pairs: list[tuple[int, int]]) -> list[Breaks]:
+    """Return the breaks along ``y`` of two-dimensional slices: roots on faces of ``slots``, meetings of ``pairs``."""
+    breaks = [face_roots(graphs.c[:, slots], graphs.noise[:, slots])]
+    for i, j in pairs:
+        where = np.flatnonzero(~(graphs.upright[:, i] & graphs.upright[:, j]))
+        index, y, _ = meetings(
+            graphs.c[where, i], graphs.c[where, j], graphs.noise[where, i], graphs.noise[where, j]
+        )
+        breaks.append((where[index], y))
+    return breaks
+
+
+def _plane(graphs: Graphs, order: int) -> Points:
+    t, w = gauss(order)
+    pieces = broken(len(graphs.c), line_breaks(graphs, slice(None), all_pairs(graphs)))
+    owner = pieces.owner
+    y = pieces.nodes(t)
+    lines = restrict(graphs.c[owner], y)
+    noise = graphs.noise[owner][:, None]
+    root, exists = height(lines, noise)
+    first, last = lines[..., 0], lines[..., -1]
+    exists &= ~graphs.upright[owner][:, None]
+    # Segments between sorted roots, (P, q, m + 1); a line without a root has an empty segment at its start.
+    stops = np.sort(np.where(exists, root, 0.0), axis=-1)
+    ends = np.concatenate([np.zeros((*y.shape, 1)), stops, np.ones((*y.shape, 1))], axis=-1)
+    length = np.diff(ends, axis=-1)
+    middle = ends[..., :-1] + 0.5 * length
+    code = np.zeros(middle.shape, dtype=np.int64)
+    for a in range(lines.shape[2]):
+        rising = (last > first)[..., a, None]
+        positive = np.where(
+            exists[..., a, None], (middle > root[..., a, None]) == rising, (first + last)[..., a, None] > 0
+        )
+        code |= positive.astype(np.int64) << a
+    inside = graphs.table[owner[:, None, None], code]
+    p, q, s = np.nonzero(inside & (length > SHORTEST))
+    start, step = ends[p, q, s], length[p, q, s]
+    x = start[:, None] + step[:, None] * t
+    weight = (pieces.length[p] * w[q] * step)[:, None] * w
+    at = np.stack([x, np.broadcast_to(y[p, q][:, None], x.shape)], axis=-1)
+    return Points(np.repeat(owner[p], order), at.reshape(-1, 2), weight.ravel())
