@@ -37,13 +37,15 @@ def reduce_load(load: Array, free: Extension) -> Array:
 def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
     """Matrix of the unknowns: an array when it is small or full anyway, else CSR."""
     relevant = len(free.dofs) + len(free.outer)
+    if relevant <= DENSE:
+        return _small(stencil, free, symmetric)
     coupled = 10 * (2 * stencil.degree + 1) ** len(stencil.shape) >= relevant
-    build = stencil.dense if relevant <= DENSE or (coupled and relevant <= DENSE_COUPLED) else stencil.sparse
-    extension = _dense_extension(free) if relevant <= DENSE else _sparse_extension(free)
+    build = stencil.dense if coupled and relevant <= DENSE_COUPLED else stencil.sparse
     result = build(free.dofs, free.dofs)
     if not len(free.outer):
         return result
     # sums in place: for large arrays fresh memory costs more than the arithmetic
+    extension = _sparse_extension(free)
     half = build(free.outer, free.dofs)
     image = _product(extension, build(free.outer, free.outer))
     if symmetric:
@@ -58,22 +60,31 @@ def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
     return result
 
 
+def _small(stencil: Stencil, free: Extension, symmetric: bool) -> Array:
+    """Matrix of the unknowns with arrays throughout: few calls, for few unknowns."""
+    split = len(free.dofs)
+    order = np.concatenate([free.dofs, free.outer])
+    full = stencil.dense(order, order)
+    extension = np.zeros((split, len(free.outer)))
+    extension[free.sources, np.arange(len(free.outer))[:, None]] = free.coefficients
+    left = full[split:, :split]
+    outer = extension @ full[split:, split:]
+    result: Array = full[:split, :split]
+    if symmetric:
+        half = extension @ (left + 0.5 * outer.T)
+        return result + half + half.T
+    return result + extension @ left + (full[:split, split:] + outer) @ extension.T
+
+
 def _product(extension: Any, matrix: Any) -> Any:
     """``X M``; a full M in blocks of columns that stay in the cache."""
-    if not isinstance(matrix, np.ndarray) or isinstance(extension, np.ndarray):
+    if not isinstance(matrix, np.ndarray):
         return extension @ matrix
     result = np.empty((extension.shape[0], matrix.shape[1]))
     for start in range(0, matrix.shape[1], COLUMNS):
         piece = slice(start, start + COLUMNS)
         result[:, piece] = extension @ np.ascontiguousarray(matrix[:, piece])
     return result
-
-
-def _dense_extension(free: Extension) -> Array:
-    """X as an array, shape (dofs, outer)."""
-    matrix = np.zeros((len(free.dofs), len(free.outer)))
-    matrix[free.sources, np.arange(len(free.outer))[:, None]] = free.coefficients
-    return matrix
 
 
 def _sparse_extension(free: Extension) -> Any:

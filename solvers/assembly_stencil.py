@@ -48,7 +48,7 @@ class Stencil:
         return self.values[parity]
 
     def dense(self, rows: Indices, columns: Indices) -> Array:
-        """Submatrix of flat indices `rows` and `columns` (ascending) as an array."""
+        """Submatrix of flat indices `rows` and `columns` as an array."""
         result = np.zeros((len(rows), len(columns)))
         for row, column, _, values in self._entries(rows, columns):
             result[row, column] = values

@@ -29,9 +29,9 @@ from rfm.calculus.jets import partials
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from rfm.geometry.weight import weight as weight_field
-from structures.contact import boundary_points, meeting_points
+from structures.contact import boundary_points, meeting_points, spread_points
 from structures.corners import jumps_at
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import Constant, FieldExpr, field
 from structures.reconcile import reconcile
 from structures.transfinite import interpolate
 
@@ -109,14 +109,29 @@ def _blend(domain: Shape, a: FieldExpr, b: FieldExpr, sides: _Sides, weight: str
     def vanishing(parts: Sequence[Part]) -> FieldExpr:
         return field(weight_field(domain, parts, weight))
 
-    omegas = vanishing(sides.wrong), vanishing(sides.new)
-    found = [meeting_points(domain, one, two) for one in sides.wrong for two in sides.new]
-    corners = np.concatenate(found)
-    if not len(corners):
-        return interpolate([(a, omegas[0]), (b, omegas[1])], APART)
-    if jumps_at(corners, a, b).max() <= CONTRADICT * scale:
+    corners = np.concatenate([meeting_points(domain, one, two) for one in sides.wrong for two in sides.new])
+    plain = isinstance(b - a, Constant) and not len(corners)
+    if not plain and _can_agree(sides) and jumps_at(corners, a, b).max(initial=0.0) <= CONTRADICT * scale:
         a, b = reconcile(domain, (a, b), (vanishing(sides.old), vanishing(sides.right)), corners)
-    return interpolate([(a, omegas[0]), (b, omegas[1])], MEETING)
+    omegas = [_level(domain, parts) for parts in (sides.wrong, sides.new)]
+    return interpolate([(a, omegas[0]), (b, omegas[1])], MEETING if len(corners) else APART)
+
+
+def _level(domain: Shape, parts: Sequence[Part]) -> FieldExpr:
+    """Return a function that rises from 0 on the parts to about 1 in the domain.
+
+    Raw products of many factors differ by orders of magnitude, and weights made of them have steep layers.
+    """
+    level = field(weight_field(domain, parts, "product" if len(parts) == 1 else "saturated"))
+    inside = spread_points(domain)
+    inside = inside[domain.contains(inside)]
+    top = partials(level, tuple(inside.T), 0)[0].max(initial=0.0)
+    return level * (1.0 / top) if 0.0 < top < np.inf else level
+
+
+def _can_agree(sides: _Sides) -> bool:
+    """Two conditions on one surface meet tangentially: their data differ by more than smooth extensions can mend."""
+    return not any(one.surfaces & two.surfaces for one in sides.wrong for two in sides.new)
 
 
 def _atoms(part: Part) -> list[Part]:

@@ -17,13 +17,20 @@ from rfm.app.schema.scalars import FROM_EXACT
 from rfm.app.schema.shapes import Function, Rotation, ShapeSpec
 from rfm.app.yaml_reader import Path
 from rfm.calculus.types import Field
-from rfm.errors import CaseError, DataError, RfmError
+from rfm.errors import CaseError, DataError, DiscretizationError, GeometryError, RfmError, StructureError
 
 if TYPE_CHECKING:
     from rfm.geometry.box import Box
     from rfm.geometry.part import Part
     from rfm.geometry.shape import Shape
     from solvers.problem import Condition, Discretization, FromExact, Problem, SolverOptions
+
+PLACES: dict[type[RfmError], Path] = {
+    GeometryError: ("geometry", "domain"),
+    DiscretizationError: ("discretization",),
+    StructureError: ("boundary_conditions",),
+}
+"""Section of a case to which an error of the solver points."""
 
 BORDER_SAMPLES = {2: 400, 3: 48}
 """Points a direction at which the border of a given background box is compared with the domain."""
@@ -101,10 +108,30 @@ def solver_options(case: Case) -> SolverOptions:
     return SolverOptions(linear=case.solver.linear, tolerance=case.solver.tolerance)
 
 
+def given_box(case: Case) -> Box | None:
+    """Background box of the case; None when it has none."""
+    from rfm.geometry.box import Box
+
+    return None if case.discretization.box is None else Box(*case.discretization.box)
+
+
 def located(case: Case, error: RfmError) -> RfmError:
-    """Error with its place in the case, where the solver only knew the field that caused it."""
-    path = getattr(error.field, "path", None) if isinstance(error, DataError) else None
-    return case.error(path, str(error)) if path else error
+    """Return the error with its place in the case, where the solver knew only what is wrong."""
+    if isinstance(error, CaseError):
+        return error
+    if isinstance(error, DataError):
+        path = getattr(error.field, "path", None)
+        return case.error(path, str(error)) if path else error
+    for kind, place in PLACES.items():
+        if isinstance(error, kind):
+            return case.error(
+                _size_key(case) if place == ("discretization",) else place, str(error), key=True
+            )
+    return error
+
+
+def _size_key(case: Case) -> Path:
+    return ("discretization", "grid" if case.discretization.spacing is None else "spacing")
 
 
 def _shape(case: Case, name: str, spec: ShapeSpec) -> Shape:
@@ -187,9 +214,12 @@ def _condition(case: Case, index: int, part: Part) -> Condition:
 
 def _check_results(case: Case, domain: Shape) -> None:
     """Refuse probes outside the domain and integrals over unknown parts before anything is solved."""
+    background = given_box(case) or domain.box
     for name, point in case.probes.items():
-        if not float(np.asarray(domain.membership(*point))) >= -1e-9 * max(domain.box.size):
-            raise case.error(("probes", name), f"the point lies outside the domain ({_corners(domain.box)})")
+        if not float(np.asarray(domain.membership(*point))) >= -1e-9 * max(background.size):
+            raise case.error(
+                ("probes", name), f"the point lies outside the domain, which is in {_corners(domain.box)}"
+            )
     for name, integral in case.integrals.items():
         for part in integral.on if DOMAIN not in integral.on else ():
             try:
@@ -200,11 +230,9 @@ def _check_results(case: Case, domain: Shape) -> None:
 
 def _background_box(case: Case, domain: Shape) -> Box | None:
     """Check that the given box holds the whole domain, at points of its border."""
-    from rfm.geometry.box import Box
-
-    if case.discretization.box is None:
+    box, path = given_box(case), ("discretization", "box")
+    if box is None:
         return None
-    box, path = Box(*case.discretization.box), ("discretization", "box")
     bounds = f"the domain lies in {_corners(domain.box)}"
     if box.intersect(domain.box).empty:
         raise case.error(path, f"the box does not touch the domain; {bounds}")

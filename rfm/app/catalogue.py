@@ -52,7 +52,7 @@ def functions() -> list[tuple[str, ...]]:
 def equations() -> list[tuple[str, ...]]:
     """Equations with their data and conditions."""
     conditions = ", ".join(n for n in BoundaryCondition.model_fields if n not in ("on", "where"))
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, field in Equation.model_fields.items():
         model = field.annotation
         if isinstance(model, type) and issubclass(model, BaseModel):

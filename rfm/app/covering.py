@@ -16,6 +16,7 @@ import numpy as np
 from rfm.app.case import Case
 from rfm.calculus.types import Array
 from rfm.errors import RfmError
+from rfm.geometry.box import Box
 
 if TYPE_CHECKING:
     from rfm.geometry.part import Part
@@ -123,7 +124,8 @@ def _compare_at_points(
     case: Case, domain: Shape, claimed: Mapping[int, Part], pieces: Mapping[Surface, list[int]], rest: bool
 ) -> None:
     """Count the conditions at points of the surfaces of which pieces are claimed."""
-    for surface, points in boundary_points(domain).items():
+    given = None if case.discretization.box is None else Box(*case.discretization.box)
+    for surface, points in boundary_points(domain, given).items():
         conditions = pieces.get(surface)
         if not conditions:
             continue
@@ -155,13 +157,13 @@ def _on_surface(part: Part, surface: Surface, points: Array) -> Array:
     return held
 
 
-def boundary_points(domain: Shape) -> dict[Surface, Array]:
-    """Points (n, d) on each surface of the boundary, from a coarse quadrature rule."""
+def boundary_points(domain: Shape, box: Box | None = None) -> dict[Surface, Array]:
+    """Points (n, d) on each surface of the boundary, from a coarse quadrature rule on the box (of the domain)."""
     from solvers.classify import classify
     from solvers.grid import Grid
     from solvers.quadrature import domain_rules
 
-    grid = Grid.cover(domain.box, COARSE_GRID[domain.dimension])
+    grid = Grid.cover(box or domain.box, COARSE_GRID[domain.dimension])
     rules = domain_rules(domain, classify(domain, grid), inner=1, cut=2)
     return {
         surface: np.stack([np.ravel(axis) for axis in batch.points(grid)], axis=1)

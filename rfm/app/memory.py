@@ -38,9 +38,8 @@ def required_bytes(domain: Shape, discretization: Discretization) -> float:
     points = discretization.quadrature_points or degree + 3
     border = 2.0 * sum(math.prod(cells) / n for n in cells)
     nodes = (2 * degree + 2) ** dimension + points**dimension
-    return 8.0 * (
-        MATRIX_COPIES * stencil * splines + 10 * splines + 2 * nodes * border
-    ) + CELL_BYTES * math.prod(cells)
+    numbers: float = MATRIX_COPIES * stencil * splines + 10 * splines + 2 * nodes * border
+    return 8.0 * numbers + CELL_BYTES * math.prod(cells)
 
 
 def grid_cells(domain: Shape, discretization: Discretization) -> tuple[float, ...]:
@@ -80,10 +79,13 @@ def require_memory(domain: Shape, discretization: Discretization) -> None:
 
 def refuse_large(case: Case) -> None:
     """Refuse a case that would not fit into memory (see :func:`require_memory`)."""
-    from rfm.app.build import build_discretization, build_domain
+    from rfm.app.build import build_discretization, build_domain, located
 
     domain = build_domain(case)
-    require_memory(domain, build_discretization(case, domain))
+    try:
+        require_memory(domain, build_discretization(case, domain))
+    except DiscretizationError as error:
+        raise located(case, error) from error
 
 
 def shown(size: float) -> str:

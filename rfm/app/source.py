@@ -20,7 +20,7 @@ MAX_REPORTED = 20
 """Errors printed at once."""
 
 
-class CaseErrors(CaseError):
+class CombinedCaseError(CaseError):
     """Several errors of one case, reported together."""
 
     def __init__(self, errors: Sequence[CaseError]) -> None:
@@ -40,7 +40,7 @@ def raise_all(errors: Sequence[CaseError]) -> None:
     if len(errors) == 1:
         raise errors[0]
     if errors:
-        raise CaseErrors(errors)
+        raise CombinedCaseError(errors)
 
 
 def nearest(name: str, valid: Iterable[str], what: str = "valid keys") -> str:
@@ -199,9 +199,8 @@ class Document:
         self.overrides[tuple(real)] = str(value)
 
     def _forget(self, path: Path) -> None:
-        for places in (self.entries, self.overrides):
-            for known in [known for known in places if known[: len(path)] == path]:
-                del places[known]  # type: ignore[attr-defined]
+        self.entries = {known: entry for known, entry in self.entries.items() if known[: len(path)] != path}
+        self.overrides = {known: text for known, text in self.overrides.items() if known[: len(path)] != path}
 
 
 def parse_value(key: str, text: str) -> Any:

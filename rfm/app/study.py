@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rfm.app.case import Case
-from rfm.errors import DiscretizationError
+from rfm.errors import CaseError, DiscretizationError
 
 if TYPE_CHECKING:
     from rfm.app.run import Result
@@ -55,12 +55,14 @@ def run_study(
 
     rows: list[dict[str, Any]] = []
     last: Result | None = None
-    refusal: DiscretizationError | None = None
+    refusal: CaseError | None = None
     for variant in variants(case):
         try:
             last = compute(variant, listener)
             row = row_of(last.summary)
-        except DiscretizationError as error:
+        except CaseError as error:
+            if not isinstance(error.__cause__, DiscretizationError):
+                raise
             refusal, row = error, _refused(variant, error)
         earlier = [other for other in rows if other["degree"] == row["degree"] and other["dofs"] is not None]
         rows.append({**row, **_rates(earlier[-1] if earlier else None, row)})
@@ -77,10 +79,10 @@ def row_of(summary: Mapping[str, Any]) -> dict[str, Any]:
     return {**row, "energy": summary["energy"], "seconds": summary["seconds"]["total"]}
 
 
-def _refused(case: Case, error: DiscretizationError) -> dict[str, Any]:
+def _refused(case: Case, error: CaseError) -> dict[str, Any]:
     given = case.discretization
     empty = dict.fromkeys(("dofs", *NORMS.values(), "energy", "seconds"))
-    return {"degree": given.degree, "grid": given.grid, **empty, "refused": str(error)}
+    return {"degree": given.degree, "grid": given.grid, **empty, "refused": error.message}
 
 
 def _rates(before: Mapping[str, Any] | None, row: Mapping[str, Any]) -> dict[str, float | None]:

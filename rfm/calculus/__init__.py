@@ -6,7 +6,6 @@ JAX arrays.
 """
 
 from rfm.calculus.functions import (
-    FUNCTIONS,
     abs_,
     absolute,
     acos,
@@ -38,7 +37,6 @@ from rfm.calculus.tri_state import TriState
 from rfm.calculus.types import Array, Field, Value
 
 __all__ = [
-    "FUNCTIONS",
     "R0",
     "R1",
     "Array",

@@ -56,34 +56,22 @@ def _hyperbolic_cosine(x: Interval) -> Interval:
     return Interval(np.maximum(y.lo, 1.0), y.hi)
 
 
-def _cosine(x: Interval) -> Interval:
-    """Enclose cos: its extrema lie at k pi, so ask whether an even or an odd multiple of pi is inside."""
-    with np.errstate(invalid="ignore"):
-        a, b = x.lo / (2.0 * np.pi), x.hi / (2.0 * np.pi)
-        slack = SLACK * (1.0 + np.maximum(np.abs(a), np.abs(b)))
-        top = np.ceil(a - slack) <= np.floor(b + slack)
-        bottom = np.ceil(a - 0.5 - slack) <= np.floor(b - 0.5 + slack)
-        p, q = np.cos(x.lo), np.cos(x.hi)
-        lo = np.where(bottom, -1.0, round_down(np.minimum(p, q), ULPS))
-        hi = np.where(top, 1.0, round_up(np.maximum(p, q), ULPS))
-    return _clipped(lo, hi)
+def _wave(function: Callable[[Any], Any], crest: float) -> Callable[[Interval], Interval]:
+    """Enclose a sine or cosine with its crests at 2 pi (k + `crest`), its troughs half a period on."""
 
+    def enclose(x: Interval) -> Interval:
+        with np.errstate(invalid="ignore"):
+            a, b = x.lo / (2.0 * np.pi) - crest, x.hi / (2.0 * np.pi) - crest
+            slack = SLACK * (1.0 + np.maximum(np.abs(a), np.abs(b)))
+            top = np.ceil(a - slack) <= np.floor(b + slack)
+            bottom = np.ceil(a - 0.5 - slack) <= np.floor(b - 0.5 + slack)
+            p, q = function(x.lo), function(x.hi)
+            lo = np.where(bottom, -1.0, round_down(np.minimum(p, q), ULPS))
+            hi = np.where(top, 1.0, round_up(np.maximum(p, q), ULPS))
+        # fmax and fmin also turn the nan of an infinite argument into the bound.
+        return Interval(np.fmax(lo, -1.0), np.fmin(hi, 1.0))
 
-def _sine(x: Interval) -> Interval:
-    with np.errstate(invalid="ignore"):
-        a, b = x.lo / (2.0 * np.pi), x.hi / (2.0 * np.pi)
-        slack = SLACK * (1.0 + np.maximum(np.abs(a), np.abs(b)))
-        top = np.ceil(a - 0.25 - slack) <= np.floor(b - 0.25 + slack)
-        bottom = np.ceil(a - 0.75 - slack) <= np.floor(b - 0.75 + slack)
-        p, q = np.sin(x.lo), np.sin(x.hi)
-        lo = np.where(bottom, -1.0, round_down(np.minimum(p, q), ULPS))
-        hi = np.where(top, 1.0, round_up(np.maximum(p, q), ULPS))
-    return _clipped(lo, hi)
-
-
-def _clipped(lo: Any, hi: Any) -> Interval:
-    """Cut to [-1, 1]; fmax and fmin also turn the nan of an infinite argument into the bound."""
-    return Interval(np.fmax(lo, -1.0), np.fmin(hi, 1.0))
+    return enclose
 
 
 def _tangent(x: Interval) -> Interval:
@@ -101,8 +89,8 @@ def _error_function(x: Any) -> Any:
 
 
 UNARY: dict[str, Callable[[Interval], Interval]] = {
-    "sin": _sine,
-    "cos": _cosine,
+    "sin": _wave(np.sin, 0.25),
+    "cos": _wave(np.cos, 0.0),
     "tan": _tangent,
     "asin": _increasing(np.arcsin, -1.0, 1.0),
     "acos": _arccosine,

@@ -23,7 +23,7 @@ from rfm.calculus.selection import absolute, maximum, minimum, namespace, sign, 
 from rfm.calculus.types import Value
 
 __all__ = [
-    "FUNCTIONS",
+    "abs_",
     "absolute",
     "acos",
     "asin",
@@ -33,6 +33,7 @@ __all__ = [
     "cosh",
     "erf",
     "exp",
+    "guarded_power",
     "hypot",
     "log",
     "maximum",
@@ -48,6 +49,9 @@ __all__ = [
     "tanh",
     "where",
 ]
+
+# Sums of squares up to this are those of two zeros: their negative powers would overflow.
+VANISHING = 1e-100
 
 Function = Callable[[Value], Value]
 Series = Callable[[Value, int], Sequence[Value]]
@@ -91,9 +95,8 @@ def _integral(value: Value, slope: Function, v: Value, order: int) -> list[Value
     """Series of a function with the given value at v and derivative `slope`, see the module's docstring."""
     if order == 0:
         return [value]
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        (t,) = variables((v,), order - 1)
-        return taylor.antiderivative(value, slope(t).coefficients)
+    (t,) = variables((v,), order - 1)
+    return taylor.antiderivative(value, slope(t).coefficients)
 
 
 def _riccati(value: Value, plus: float, order: int) -> list[Value]:
@@ -139,10 +142,9 @@ def _square_root(v: Value, order: int) -> list[Value]:
     root = sqrt(v)
     series = [root]
     if order:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            series.append(0.5 / root)
-            for k in range(1, order):
-                series.append(series[-1] / v * ((0.5 - k) / (k + 1.0)))
+        series.append(0.5 / root)
+        for k in range(1, order):
+            series.append(series[-1] / v * ((0.5 - k) / (k + 1.0)))
     return series
 
 
@@ -198,8 +200,9 @@ def guarded_power(x: Value, exponent: float) -> Value:
     def series(v: Value, order: int) -> list[Value]:
         result = [guarded_power(v, exponent)]
         if order:
-            divisor = where(v == 0.0, 1.0, v)
-            last = where(v == 0.0, 1.0, result[0])
+            vanishing = v <= VANISHING
+            divisor = where(vanishing, 1.0, v)
+            last = where(vanishing, 1.0, result[0])
             for k in range(order):
                 last = last / divisor * ((exponent - k) / (k + 1.0))
                 result.append(last)
@@ -226,29 +229,4 @@ def _arctangent2(y: Value, x: Value) -> Jet:
     return Jet(angle.dim, angle.order, (atan2(y0, x0), *angle.coefficients[1:]))
 
 
-# What an expression in a case file may call, by name.
-FUNCTIONS: dict[str, Callable[..., Value]] = {
-    "sin": sin,
-    "cos": cos,
-    "tan": tan,
-    "asin": asin,
-    "acos": acos,
-    "atan": atan,
-    "atan2": atan2,
-    "sinh": sinh,
-    "cosh": cosh,
-    "tanh": tanh,
-    "exp": exp,
-    "log": log,
-    "sqrt": sqrt,
-    "erf": erf,
-    "abs": absolute,
-    "sign": sign,
-    "min": minimum,
-    "max": maximum,
-    "hypot": hypot,
-    "where": where,
-}
-
 abs_ = absolute
-__all__ += ["abs_", "guarded_power"]

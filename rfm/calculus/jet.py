@@ -74,10 +74,13 @@ class Jet:
         Parameters
         ----------
         series
-            Called with the value f_0 and the order m, returns F^(k)(f_0)/k! for k = 0..m.
+            Called with the value f_0 and the order m, returns F^(k)(f_0)/k! for k = 0..m. Where a derivative
+            does not exist it is inf or nan, silently.
         """
         space = taylor_space(self.dim, self.order)
-        coefficients = taylor.compose(series(self.coefficients[0], self.order), self.coefficients, space)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            head = series(self.coefficients[0], self.order)
+            coefficients = taylor.compose(head, self.coefficients, space)
         return Jet(self.dim, self.order, coefficients)
 
     def __repr__(self) -> str:
@@ -207,10 +210,9 @@ def _aligned(a: Jet, b: Jet) -> tuple[Jet, Jet]:
 def _power_series(value: Value, exponent: Value, order: int) -> list[Value]:
     """Binomial series; each power is taken by itself, so that 0**2.5 has its two zero derivatives."""
     series, binomial = [], 1.0
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for k in range(order + 1):
-            series.append(value ** (exponent - k) * binomial)
-            binomial = binomial * (exponent - k) / (k + 1.0)
+    for k in range(order + 1):
+        series.append(value ** (exponent - k) * binomial)
+        binomial = binomial * (exponent - k) / (k + 1.0)
     return series
 
 

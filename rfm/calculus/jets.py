@@ -53,7 +53,8 @@ def partials(field: Field, coords: Sequence[Array | float], order: int) -> Array
     Returns
     -------
     Array
-        d^alpha f, shape (number of multi-indices, *points), in the order of ``multi_indices(dim, order)``.
+        d^alpha f, shape (number of multi-indices, *points), in the order of ``multi_indices(dim, order)``; inf or
+        nan, silently, where it does not exist.
     """
     dim = len(coords)
     arrays = [np.asarray(x, dtype=np.float64) for x in coords]
@@ -74,10 +75,9 @@ def partials(field: Field, coords: Sequence[Array | float], order: int) -> Array
 
 
 def _fill_partials(result: Array, field: Field, coords: Sequence[Array], order: int) -> None:
-    if order == 0:
-        result[0] = field(*coords)
-        return
-    jet = field(*variables(coords, order))
+    # A field may be singular in some of the points; that shows in the result, not as a warning from inside.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        jet = field(*variables(coords, order)) if order else field(*coords)
     if type(jet) is not Jet:
         result[0], result[1:] = jet, 0.0
         return

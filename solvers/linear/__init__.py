@@ -98,14 +98,16 @@ def solve(
             if number == len(candidates):
                 raise
             continue
-        return _accept(system, scaled, iterations, candidate)
+        return _accept(system, scaled, iterations, candidate, tolerance)
     raise NumericsError("no linear solver suits the system")
 
 
-def _accept(system: ScaledSystem, scaled: Array, iterations: int, candidate: Candidate) -> LinearSolution:
+def _accept(
+    system: ScaledSystem, scaled: Array, iterations: int, candidate: Candidate, tolerance: float
+) -> LinearSolution:
     """Solution of the original system, refused when it does not solve a nearby one."""
     x, residual = system.unscale(scaled)
-    if not system.backward_error(scaled) <= ACCEPTED:
+    if not system.backward_error(scaled) <= max(ACCEPTED, tolerance):
         raise NumericsError(
             f"the linear solver {candidate.name} reached only a relative residual of {residual:.1e}: the system is "
             "too ill-conditioned; lower the degree, use basis: web-spline, or raise quadrature_points"

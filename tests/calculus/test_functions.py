@@ -69,6 +69,8 @@ def test_hypot_has_finite_derivatives_at_the_origin() -> None:
     origin = np.zeros(2)
     assert np.isfinite(partials(fn.hypot, (origin, origin), 3)).all()
     np.testing.assert_array_equal(partials(fn.hypot, (origin, origin), 1), 0.0)
+    tiny = np.array([1e-18, -1e-60, 1e-160, 1e-300])
+    assert np.isfinite(partials(fn.hypot, (tiny, tiny), 3)).all()
 
 
 def test_numpy_never_imports_jax() -> None:

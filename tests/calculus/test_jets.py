@@ -93,6 +93,8 @@ def test_powers_at_zero_are_silent_and_right() -> None:
     np.testing.assert_array_equal(partials(fn.sqrt, (zero,), 1)[:, 0], [0.0, np.inf])
     np.testing.assert_array_equal(partials(lambda x: x**0, (zero,), 2)[:, 0], [1.0, 0.0, 0.0])
     np.testing.assert_array_equal(partials(lambda x: x**3, (zero,), 3)[:, 0], [0.0, 0.0, 0.0, 6.0])
+    assert np.isnan(partials(lambda x: fn.sqrt(x * x), (zero,), 2)[1:, 0]).all()
+    assert np.isinf(partials(fn.log, (zero,), 0)[0, 0])
     assert np.isinf(partials(lambda x: 1.0 / x, (zero,), 1)[0, 0])
     assert np.isinf(partials(lambda x: 1.0 / x, (0.0,), 1)[0])
 

@@ -11,6 +11,7 @@ import ast
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -164,7 +165,7 @@ class _Parser:
             if symbol == "^":
                 self._check_exponent(right, step.right)
             if isinstance(node, Constant) and isinstance(right, Constant) and not rest:
-                node = self._fold(step, lambda: ARITHMETIC[symbol](node.value, right.value))  # noqa: B023
+                node = self._fold(step, partial(ARITHMETIC[symbol], node.value, right.value))
             else:
                 rest.append((symbol, right))
         return Chain(node, tuple(rest)) if rest else node
@@ -249,7 +250,7 @@ class _Parser:
             return self._where(tree, depth)
         arguments = tuple(self.number(argument, depth) for argument in tree.args)
         if all(isinstance(argument, Constant) for argument in arguments):
-            return self._fold(tree, lambda: function(*(argument.evaluate({}) for argument in arguments)))
+            return self._fold(tree, partial(function, *(argument.evaluate({}) for argument in arguments)))
         return Apply(function, arguments)
 
     def _where(self, tree: ast.Call, depth: int) -> Node:

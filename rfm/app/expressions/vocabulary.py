@@ -79,6 +79,7 @@ FUNCTIONS: dict[str, Function] = {
         ("exp", "exponential function"),
         ("log", "natural logarithm"),
         ("sqrt", "square root"),
+        ("erf", "error function"),
         ("sign", "-1, 0 or 1"),
     ),
     "abs": Function("abs", 1, 1, "absolute value", "absolute"),

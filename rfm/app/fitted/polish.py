@@ -32,7 +32,7 @@ def polish(x: Array, on: Flags, surfaces: Sequence[Surface], limit: float) -> Ar
     patterns, which = np.unique(on[rows], axis=0, return_inverse=True)
     for number, pattern in enumerate(patterns):
         chosen = rows[which == number]
-        carriers = [surfaces[column] for column in np.flatnonzero(pattern)]
+        carriers = [surfaces[int(column)] for column in np.flatnonzero(pattern)]
         moved[chosen] = _newton(x[chosen], carriers)
     far = ~(np.linalg.norm(moved - x, axis=1) <= limit)
     moved[far] = x[far]

@@ -81,7 +81,7 @@ def simplex_signs(points: Points, simplices: Ints, surfaces: Sequence[Surface]) 
     """Side of every simplex with respect to every surface (m, s): 1, -1, or 0 where it is cut."""
     values = points.values[simplices]
     low, high = values.min(axis=1), values.max(axis=1)
-    signs = (high > 0).astype(np.int8) - (low < 0).astype(np.int8)
+    signs: Signs = (high > 0).astype(np.int8) - (low < 0).astype(np.int8)
     flat = np.flatnonzero(((low == 0) & (high == 0)).any(axis=1))
     if len(flat):  # all vertices on one surface: its middle decides
         middle = points.x[simplices[flat]].mean(axis=1)
@@ -90,7 +90,7 @@ def simplex_signs(points: Points, simplices: Ints, surfaces: Sequence[Surface]) 
 
 
 def _definite(values: Array) -> Signs:
-    return np.where(values > 0, 1, -1).astype(np.int8)
+    return np.asarray(np.where(values > 0, 1, -1), dtype=np.int8)
 
 
 def state(expression: Any, surfaces: Sequence[Surface], signs: Signs) -> Signs:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from rfm.calculus.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,18 +36,21 @@ class Frame:
     axes: Axes
     bar: Axes | None
 
-    def colour_bar(self, drawn: Any, label: str = "") -> None:
-        """Explain the colours of `drawn` beside the main axes."""
-        bar = self.figure.colorbar(drawn, cax=self.bar, label=label)
-        bar.outline.set_visible(False)
-        bar.ax.tick_params(labelsize=8, length=2, color=FAINT)
-        bar.ax.yaxis.get_offset_text().set(fontsize=8)
-        bar.formatter.set_powerlimits((-3, 4))
+
+def colour_bar(drawn: Any, axes: Axes, size: float = 8) -> None:
+    """Explain the colours of `drawn` in `axes`."""
+    from matplotlib.ticker import ScalarFormatter
+
+    numbers = ScalarFormatter()
+    numbers.set_powerlimits((-3, 4))
+    axes.figure.colorbar(drawn, cax=axes, format=numbers)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    axes.tick_params(labelsize=size, length=2, color=FAINT, labelcolor=INK)
+    axes.yaxis.get_offset_text().set_fontsize(size)
 
 
-def frame(
-    title: str, lower: Sequence[float], upper: Sequence[float], *, bar: bool = True, right: float = RIGHT
-) -> Frame:
+def frame(title: str, lower: Array, upper: Array, *, bar: bool = True, right: float = RIGHT) -> Frame:
     """Figure for a region of the plane from `lower` to `upper`, to scale, with a `right` margin."""
     width, height = (float(high - low) for low, high in zip(lower, upper, strict=True))
     inches = 5.2 / max(width, height)
@@ -78,7 +82,7 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 def heading(axes: Axes, title: str, size: float = 11) -> None:
     """Put `title` above `axes`, as plain text whatever characters it has."""
-    axes.set_title(title, fontsize=size, color=INK, loc="left", pad=8, parse_math=False)
+    axes.set_title(title, fontsize=size, color=INK, loc="left", y=1.0, pad=8, parse_math=False)
 
 
 def tidy(axes: Axes) -> None:

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rfm.app.pictures.canvas import ERROR_MAP, FIELD_MAP, INK, Frame, frame, limits
+from rfm.app.pictures.canvas import ERROR_MAP, FIELD_MAP, INK, Frame, colour_bar, frame, limits
 from rfm.calculus.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
 
     from rfm.app.fitted import FittedMesh
 
@@ -25,8 +26,7 @@ def field_2d(mesh: FittedMesh, values: Array, title: str) -> Figure:
     if np.ptp(values[np.isfinite(values)]) > 1e-12 * max(abs(low), abs(high)):
         levels = np.linspace(low, high, LEVELS + 2)[1:-1]
         picture.axes.tricontour(
-            *mesh.points.T,
-            mesh.all_simplices,
+            _triangulation(mesh),
             np.nan_to_num(values),
             levels=levels,
             colors="white",
@@ -66,14 +66,20 @@ def _coloured(
 ) -> Frame:
     picture = frame(title, *view_box(mesh.points))
     drawn = picture.axes.tripcolor(
-        *mesh.points.T,
+        _triangulation(mesh),
         np.nan_to_num(values),
-        triangles=mesh.all_simplices,
         shading="gouraud",
         cmap=colour_map,
         vmin=colours[0],
         vmax=colours[1],
         rasterized=True,
     )
-    picture.colour_bar(drawn)
+    if picture.bar is not None:
+        colour_bar(drawn, picture.bar)
     return picture
+
+
+def _triangulation(mesh: FittedMesh) -> Triangulation:
+    from matplotlib.tri import Triangulation
+
+    return Triangulation(mesh.points[:, 0], mesh.points[:, 1], mesh.all_simplices)

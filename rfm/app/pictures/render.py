@@ -145,18 +145,22 @@ def _draw(
     low = np.ceil(corners[..., 1].min(axis=1) - 0.5).astype(np.int64).clip(0, height)
     high = np.floor(corners[..., 1].max(axis=1) - 0.5).astype(np.int64).clip(-1, height - 1)
     which, row = _ranges(low, high)
-    first, last = _span(corners[which, :, :2], row + 0.5)
+    first, last = _span(corners[which, :, :2], _middles(row))
     low = np.ceil(first - 0.5).astype(np.int64).clip(0, width)
     high = np.floor(last - 0.5).astype(np.int64).clip(-1, width - 1)
     span, column = _ranges(low, high)
     which, row = which[span], row[span]
-    weights = _barycentric(corners[which, :, :2], column + 0.5, row + 0.5)
+    weights = _barycentric(corners[which, :, :2], _middles(column), _middles(row))
     near = (weights * corners[which, :, 2]).sum(axis=1)
     pixel = row * width + column
     np.maximum.at(depth, pixel, near)
     won = near >= depth[pixel]
     owner[pixel[won]] = chosen[which[won]]
     shares[pixel[won]] = weights[won]
+
+
+def _middles(pixels: Ints) -> Array:
+    return np.asarray(pixels, dtype=np.float64) + 0.5
 
 
 def _ranges(low: Ints, high: Ints) -> tuple[Ints, Ints]:

@@ -9,7 +9,7 @@ import numpy as np
 from rfm.app.fitted import FittedMesh
 from rfm.app.pictures.canvas import CELL_COLOURS, FAINT, INK, frame
 from rfm.app.pictures.parts import NamedFacets, named_facets
-from rfm.app.pictures.slices import draw_cells
+from rfm.app.pictures.slices import draw_cells, draw_grid
 from rfm.app.pictures.space import PLANES, Solid, composed
 from rfm.calculus.types import Array
 
@@ -35,9 +35,8 @@ def shape_2d(record: RunRecord, mesh: FittedMesh, title: str) -> Figure:
     parts = named_facets(mesh)
     picture = frame(title, grid.lower - margin, upper + margin, bar=False, right=2.0)
     across = _edges(grid, 0), _edges(grid, 1)
-    line = 0.5 if grid.cells.max() <= 40 else 0.2
     cells = _cell_colours(record.classification.state).transpose(1, 0, 2)
-    picture.axes.pcolormesh(*across, cells, edgecolors="white", linewidth=line)
+    draw_grid(picture.axes, across, cells)
     colours = [parts.colour(int(number)) for number in parts.number]
     segments = LineCollection(list(mesh.points[mesh.facets]), colors=colours, linewidths=2.0)
     segments.set_capstyle("round")

@@ -95,10 +95,23 @@ def draw_values(panel: Axes, plane: Section, values: Array, **colours: Any) -> N
 
 def draw_cells(panel: Axes, plane: Section, edges: tuple[Array, Array], colours: NDArray[Any]) -> None:
     """Draw cells (r, c, 3) of the grid in a section with the boundary over them."""
-    panel.pcolormesh(*edges, colours, edgecolors="white", linewidth=0.25)
+    draw_grid(panel, edges, colours)
     _outline(panel, plane)
     panel.set_aspect("equal")
     _finish(panel, plane)
+
+
+def draw_grid(panel: Axes, edges: tuple[Array, Array], colours: NDArray[Any]) -> None:
+    """Fill cells (r, c, 3) between `edges` and draw thin lines between them."""
+    from matplotlib.collections import LineCollection
+
+    x, y = edges
+    panel.pcolormesh(x, y, colours)
+    upright = [((value, y[0]), (value, y[-1])) for value in x]
+    level = [((x[0], value), (x[-1], value)) for value in y]
+    width = float(np.clip(20.0 / max(len(x), len(y)), 0.15, 0.8))
+    lines = LineCollection(upright + level, colors="white", linewidths=width, snap=False)
+    panel.add_collection(lines, autolim=False)
 
 
 def _extent(plane: Section) -> tuple[float, float, float, float]:
@@ -123,7 +136,7 @@ def _finish(panel: Axes, plane: Section) -> None:
     panel.tick_params(labelsize=6.5, pad=2)
     panel.set_xlabel(NAMES[plane.axes[0]], fontsize=7.5, labelpad=0, color=INK)
     panel.set_ylabel(NAMES[plane.axes[1]], fontsize=7.5, labelpad=3, color=INK)
-    panel.set_title(plane.title, fontsize=8, color=INK, loc="left", pad=3)
+    panel.set_title(plane.title, fontsize=8, color=INK, loc="left", y=1.0, pad=3)
 
 
 def _continued(values: Array) -> Array:

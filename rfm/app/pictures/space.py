@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rfm.app.fitted import FittedMesh
-from rfm.app.pictures.canvas import FAINT, INK, limits, new_figure
+from rfm.app.pictures.canvas import INK, colour_bar, limits, new_figure
 from rfm.app.pictures.cutaway import AZIMUTH, ELEVATION, cut_open, middle_of, view
 from rfm.app.pictures.render import Image, View
 from rfm.app.pictures.slices import NAMES, Section, draw_values, section
@@ -85,11 +85,7 @@ def field_3d(solid: Solid, function: PointFunction, title: str, colour_map: str,
 
     figure, right = composed(solid, image, title, panel)
     bar_axes = figure.add_axes((right + 0.01, 0.16, 0.016, 0.68))
-    bar = figure.colorbar(ScalarMappable(Normalize(low, high), colour_map), cax=bar_axes)
-    bar.outline.set_visible(False)  # type: ignore[operator]
-    bar_axes.tick_params(labelsize=7.5, length=2, color=FAINT)
-    bar_axes.yaxis.get_offset_text().set_fontsize(7.5)
-    bar.formatter.set_powerlimits((-3, 4))
+    colour_bar(ScalarMappable(Normalize(low, high), colour_map), bar_axes, size=7.5)
     return figure
 
 

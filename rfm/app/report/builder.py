@@ -41,7 +41,7 @@ STUDY_COLUMNS = (
 def report_html(record: RunRecord, gallery: Gallery) -> bytes:
     """Content of ``report.html``: self-contained, no script, nothing is fetched."""
     study = record.study or ()
-    html = _template().render(
+    html: str = _template().render(
         record=record,
         summary=record.summary,
         statement=state_problem(record.case),

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+Symbols = tuple[tuple[str, str], ...]
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -24,15 +26,16 @@ class Statement:
     """
 
     equation: str
-    where: tuple[tuple[str, str], ...]
+    where: Symbols
     conditions: tuple[str, ...]
-    shapes: tuple[tuple[str, str], ...]
+    shapes: Symbols
 
 
 def state_problem(case: Mapping[str, Any]) -> Statement:
     """Formulate the problem of a resolved case."""
     name, data = next(iter(case.get("equation", {}).items()), ("", {}))
-    equation, where = EQUATIONS.get(name, _any_equation)(name, data)
+    writer = EQUATIONS.get(name, _any_equation)
+    equation, where = writer(name, data)
     if case.get("exact") is not None:
         where = (*where, ("exact u", text(case["exact"])))
     where += tuple((f"{key}", text(value)) for key, value in case.get("parameters", {}).items())
@@ -59,7 +62,7 @@ def is_number(value: Any, number: float) -> bool:
         return False
 
 
-def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     conductivity, reaction = data.get("conductivity", 1), data.get("reaction", 0)
     where = [("f", text(data.get("source", 0)))]
     left = "−Δu"
@@ -72,12 +75,12 @@ def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, tuple[tuple[str, str
     return f"{left} = f in Ω", tuple(where)
 
 
-def _any_equation(name: str, data: Mapping[str, Any]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _any_equation(name: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     items = data.items() if isinstance(data, Mapping) else ()
     return f"{name} in Ω", tuple((key, text(value)) for key, value in items)
 
 
-EQUATIONS: dict[str, Callable[..., tuple[str, tuple[tuple[str, str], ...]]]] = {"poisson": _poisson}
+EQUATIONS: dict[str, Callable[[str, Mapping[str, Any]], tuple[str, Symbols]]] = {"poisson": _poisson}
 """How each equation is written; others are listed by their data."""
 
 

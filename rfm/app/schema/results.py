@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
 from pydantic import (
@@ -63,7 +64,7 @@ def whole_numbers(minimum: int, maximum: int) -> Any:
         for item in value:
             if isinstance(item, bool) or not isinstance(item, int) or not minimum <= item <= maximum:
                 raise fail(f"must hold whole numbers from {minimum} to {maximum}, got {shown(item)}")
-        if any(b <= a for a, b in zip(value, value[1:], strict=False)):
+        if any(b <= a for a, b in pairwise(value)):
             raise fail("must increase")
         return tuple(value)
 
