@@ -21,11 +21,7 @@ help:  ## list the commands
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */\1\t/' | expand -t 12
 
 run: $(STAMP)  ## run a case: make run [CASE=cases/poisson/annulus.yaml]
-	@$(BIN)/rfm run $(CASE) --out $(RUN_DIR); status=$$?; \
-	if [ -e $(RUN_DIR)/picture.png ]; then \
-	  echo "picture: $(RUN_DIR)/picture.png"; \
-	  echo "report:  $(RUN_DIR)/report.html"; \
-	fi; exit $$status
+	@$(BIN)/rfm run $(CASE) --out $(RUN_DIR)
 
 test: $(STAMP)  ## the tests, except the slow ones
 	$(ONE_THREAD) $(BIN)/python -m pytest -q -n $(JOBS)

@@ -5,13 +5,14 @@ Give names of cases to render only these: python docs/render_gallery.py annulus 
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image
 from ruamel.yaml import YAML
+
+import rfm
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = ROOT / "docs" / "gallery"
@@ -37,8 +38,7 @@ def render(case: Path) -> None:
     """Run `case` and put its picture, reduced in size and colours, into the gallery."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / case.stem
-        command = [sys.executable, "-m", "rfm.app.cli", "run", str(case), "--out", str(out)]
-        subprocess.run(command, cwd=ROOT, check=True)
+        rfm.solve(case).save(out)
         with Image.open(out / "picture.png") as picture:
             image = picture.convert("RGB")
     image.thumbnail((WIDTH, WIDTH), Image.Resampling.LANCZOS)

@@ -35,10 +35,29 @@ def boundary_batches(
             yield condition, batch
 
 
+def outward(batch: PointBatch) -> Array:
+    """Outward normals of a boundary rule, shape (n, q, d).
+
+    Raises
+    ------
+    ValueError
+        It is a rule for the volume.
+    """
+    if batch.normals is None:
+        raise ValueError("a volume rule has no normals")
+    return batch.normals
+
+
 def exact_flux(problem: Problem, coords: Sequence[Array], normals: Array) -> Array:
     """Conormal flux of the exact solution."""
     gradient = partials(require_exact(problem), coords, 1)[1:]
     return problem.equation.conormal_flux(coords, gradient, normals)
+
+
+def exact_values(problem: Problem, coords: Sequence[Array]) -> Array:
+    """Values of the exact solution."""
+    result: Array = partials(require_exact(problem), coords, 0)[0]
+    return result
 
 
 def require_exact(problem: Problem) -> Field:
@@ -61,19 +80,21 @@ def datum(name: str, value: Field | float | FromExact, coords: Sequence[Array]) 
     return values(name, value, coords)
 
 
-def right_hand_side(problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array) -> Array | float:
+def right_hand_side(
+    problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array
+) -> Array | float:
     """The datum g of a condition at boundary points, with `from exact` resolved."""
     match condition:
         case Dirichlet(value=value):
             if value is FROM_EXACT:
-                return partials(require_exact(problem), coords, 0)[0]
+                return exact_values(problem, coords)
             return datum("Dirichlet value", value, coords)
         case Neumann(flux=flux):
             return exact_flux(problem, coords, normals) if flux is FROM_EXACT else datum("flux", flux, coords)
         case Robin(coefficient=coefficient, value=value):
             if value is FROM_EXACT:
                 h = datum("Robin coefficient", coefficient, coords)
-                return exact_flux(problem, coords, normals) + h * partials(require_exact(problem), coords, 0)[0]
+                return exact_flux(problem, coords, normals) + h * exact_values(problem, coords)
             return datum("Robin value", value, coords)
 
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rfm.calculus.intervals import Interval
 from rfm.errors import GeometryError
@@ -22,7 +21,6 @@ from solvers.quadrature.logic import Logic, Mask, Signs
 from solvers.quadrature.sampling import EPS, corner_points, values_at
 
 if TYPE_CHECKING:
-    from rfm.calculus.types import Array
     from rfm.geometry.shape import Shape
     from solvers.grid import Grid, Integers
 
@@ -82,7 +80,9 @@ def classify(domain: Shape, grid: Grid) -> Classification:
         If the domain has another dimension than the grid, is empty, or does not touch the grid.
     """
     if domain.dimension != grid.dimension:
-        raise GeometryError(f"a {domain.dimension}D domain needs a {domain.dimension}D grid, got {grid.dimension}D")
+        raise GeometryError(
+            f"a {domain.dimension}D domain needs a {domain.dimension}D grid, got {grid.dimension}D"
+        )
     logic = Logic(domain.expression, domain.surfaces)
     state = np.full(grid.shape, OUTER, dtype=np.int8)
     touching = np.zeros(grid.shape, dtype=bool)
@@ -108,9 +108,7 @@ def classify(domain: Shape, grid: Grid) -> Classification:
     return Classification(grid, state, touching, signs, logic.relevant(signs))
 
 
-def _gather(
-    logic: Logic, state: Signs, touching: Mask, numbers: list[Integers], signs: list[Signs]
-) -> Signs:
+def _gather(logic: Logic, state: Signs, touching: Mask, numbers: list[Integers], signs: list[Signs]) -> Signs:
     """Signs of the cut cells, then of the touching ones, each in the order of their numbers."""
     if not numbers:
         return np.zeros((0, len(logic.surfaces)), dtype=np.int8)
@@ -131,7 +129,9 @@ def _candidates(logic: Logic, grid: Grid, state: Signs) -> Iterator[Integers]:
         yield np.stack(np.unravel_index(np.arange(total), grid.shape), axis=1).astype(np.int64)
         return
     counts = -(-grid.cells // BLOCK)
-    blocks = BLOCK * np.stack(np.unravel_index(np.arange(int(np.prod(counts))), counts), axis=1).astype(np.int64)
+    blocks = BLOCK * np.stack(np.unravel_index(np.arange(int(np.prod(counts))), counts), axis=1).astype(
+        np.int64
+    )
     sizes = np.minimum(BLOCK, grid.cells - blocks)
     values = np.concatenate(
         [
@@ -215,16 +215,18 @@ def _by_subdivision(logic: Logic, grid: Grid, cells: Integers, signs: Signs, row
     for _ in range(HALVINGS):
         following = []
         for boxes in pending:
-            for child in children(boxes, range(grid.dimension)):
-                value = logic.value(child.all_signs)
-                inside[child.row[value > 0]] = True
-                outside[child.row[value < 0]] = True
-                following.append(child.take(np.flatnonzero(value == 0)))
+            halves = children(boxes, range(grid.dimension))
+            value = logic.value(halves.all_signs)
+            inside[halves.row[value > 0]] = True
+            outside[halves.row[value < 0]] = True
+            following.append(halves.take(np.flatnonzero(value == 0)))
         # A cell that is known to be cut needs no further look.
         pending = [b.take(np.flatnonzero(~(inside & outside)[b.row])) for b in following]
         pending = [b for b in pending if len(b)]
     unknown = np.zeros(len(cells), dtype=bool)
     for boxes in pending:
         unknown[boxes.row] = True
-    verdict = np.where(inside & ~outside & ~unknown, INNER, np.where(outside & ~inside & ~unknown, OUTER, CUT))
+    verdict = np.where(
+        inside & ~outside & ~unknown, INNER, np.where(outside & ~inside & ~unknown, OUTER, CUT)
+    )
     return np.asarray(verdict[rows], dtype=np.int8)

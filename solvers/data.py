@@ -33,7 +33,7 @@ def values(name: str, datum: Field | float, coords: Sequence[Array], *, check: b
     if not callable(datum):
         return float(datum)
     with np.errstate(all="ignore"):
-        result = partials(datum, coords, 0)[0]
+        result: Array = partials(datum, coords, 0)[0]
     if check:
         require_finite(name, datum, coords, result)
     return result

@@ -6,7 +6,7 @@ import numpy as np
 
 from rfm.calculus.types import Array
 from solvers.background import Background
-from solvers.boundary import boundary_batches, natural_density
+from solvers.boundary import boundary_batches, natural_density, outward
 from solvers.equations.density import QuadraticDensity
 from solvers.norms import norm_batches
 from solvers.problem import Dirichlet, Problem
@@ -18,10 +18,12 @@ def energy(problem: Problem, trial: Trial, background: Background) -> float:
     total = 0.0
     for batch in norm_batches(background, trial.degree):
         density = problem.equation.density(batch.points(background.grid), problem.exact)
-        total += float(np.sum(density_values(density, trial.jet(batch, problem.equation.order)) * batch.weights))
+        total += float(
+            np.sum(density_values(density, trial.jet(batch, problem.equation.order)) * batch.weights)
+        )
     for condition, batch in boundary_batches(problem, background.rules.boundary, background.grid):
-        if not isinstance(condition, Dirichlet) and batch.normals is not None:
-            density = natural_density(problem, condition, batch.points(background.grid), batch.normals)
+        if not isinstance(condition, Dirichlet):
+            density = natural_density(problem, condition, batch.points(background.grid), outward(batch))
             total += float(np.sum(density_values(density, trial.jet(batch, 0)) * batch.weights))
     return total
 

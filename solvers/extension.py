@@ -14,6 +14,12 @@ and the unknowns are the inner coefficients (Hoellig, Reif, Wipper, SINUM 39 (20
 SIAM 2003, section 4.3). *Nearest* is measured by what counts: among all arrays of inner indices I(j) is the one
 with the smallest :math:`\sum_i |e_{ij}|`, which depends only on how far j lies outside the array in each
 direction; ties go to the closest centre.
+
+Where the domain is thinner than a cell, the nearest array may be many cells away, and the extrapolation worthless: a
+cell outside costs a factor of about 2^p in the condition number. So an outer index stays free when the distances
+by which it lies outside the array add up to more than d over the directions (one cut layer of cells around
+the inner ones needs 1, a corner of it d). Polynomials are still reproduced. Measured on a disk with a strip thinner
+than a cell (24 cells, degree 5), without a limit: error 1.7e-7, condition number 7e10; with it: 1.4e-10 and 1e7.
 """
 
 from __future__ import annotations
@@ -30,6 +36,9 @@ from rfm.calculus.types import Array
 Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
+LOOKUPS = 200_000
+"""Shifted indices looked up at a time."""
+
 
 @dataclass(frozen=True)
 class Extension:
@@ -39,6 +48,8 @@ class Extension:
     ----------
     dofs
         Flat indices of the free coefficients in the full tensor array, ascending.
+    exposed
+        Those of `dofs` that are not inner.
     outer
         Flat indices of the dependent coefficients, ascending.
     sources
@@ -48,6 +59,7 @@ class Extension:
     """
 
     dofs: Indices
+    exposed: Indices
     outer: Indices
     sources: Indices
     coefficients: Array
@@ -78,40 +90,52 @@ def full_arrays(inner: Mask, degree: int) -> Mask:
 
 
 def extend(inner: Mask, relevant: Mask, degree: int) -> Extension:
-    """Attach every relevant index that is not inner to the nearest array of inner ones.
+    """Attach the relevant indices that are not inner to the nearest arrays of inner ones.
 
     Parameters
     ----------
     inner, relevant
-        Marked indices, both of the full shape. There must be an inner one: with the cell in its support come the
-        other indices of an array.
+        Marked indices, both of the full shape.
     degree
         Degree p.
+
+    Returns
+    -------
+    Extension
+        Free are the inner indices, and the outer ones with no array within reach.
     """
     dimension = inner.ndim
-    dofs = np.flatnonzero(inner)
+    strides = _strides(inner.shape)
     outer = np.flatnonzero(relevant & ~inner)
-    corner_strides = _strides(inner.shape)
     where = np.stack(np.unravel_index(outer, inner.shape), axis=-1)
-    shift = _nearest_arrays(full_arrays(inner, degree), where, degree)  # j - l, one row an outer index
+    near, shift = _nearest_arrays(
+        full_arrays(inner, degree), where, degree
+    )  # shift: j - l, one row an outer index
+    exposed, dofs = outer[~near], np.flatnonzero(inner)
+    if len(exposed):
+        dofs = np.sort(np.concatenate([dofs, exposed]))
+        outer, where, shift = outer[near], where[near], shift[near]
     local = np.indices((degree + 1,) * dimension).reshape(dimension, -1)
-    flat = (where - shift) @ corner_strides
     position = np.zeros(inner.size, dtype=np.intp)
     position[dofs] = np.arange(len(dofs))
-    sources = position[flat[:, None] + corner_strides @ local]
+    sources = position[((where - shift) @ strides)[:, None] + strides @ local]
     coefficients = np.ones((len(outer), 1))
     for axis in range(dimension):
         factor = _lagrange(shift[:, axis], degree)
         width = coefficients.shape[1] * factor.shape[1]
         coefficients = (coefficients[:, :, None] * factor[:, None, :]).reshape(len(outer), width)
-    return Extension(dofs, outer, sources, coefficients)
+    return Extension(dofs, exposed, outer, sources, coefficients)
 
 
-def no_extension(relevant: Mask, dimension: int, degree: int) -> Extension:
+def no_extension(inner: Mask, relevant: Mask, degree: int) -> Extension:
     """All relevant coefficients free, none dependent."""
-    width = (degree + 1) ** dimension
+    width = (degree + 1) ** inner.ndim
     return Extension(
-        np.flatnonzero(relevant), np.zeros(0, np.intp), np.zeros((0, width), np.intp), np.zeros((0, width))
+        np.flatnonzero(relevant),
+        np.flatnonzero(relevant & ~inner),
+        np.zeros(0, np.intp),
+        np.zeros((0, width), np.intp),
+        np.zeros((0, width)),
     )
 
 
@@ -131,46 +155,48 @@ def _lagrange(position: Indices, degree: int) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _window(dimension: int, degree: int, reach: int) -> Indices:
-    """Shifts ``j - l`` with j at most `reach` outside the array, sorted from near to far, shape (n, d)."""
-    line = np.arange(-reach, degree + reach + 1)
+def _reachable(dimension: int, degree: int) -> Indices:
+    """Shifts ``j - l`` within reach of an array, sorted from near to far, shape (n, d)."""
+    line = np.arange(-dimension, degree + dimension + 1)
     growth = np.log(
         np.abs(_lagrange(line, degree)).sum(axis=1)
     )  # logarithm of the sum of |e| in one direction
+    outside = np.maximum(np.maximum(-line, line - degree), 0)
     off_centre = (line - degree / 2) ** 2
-    grids = np.meshgrid(*[np.arange(len(line))] * dimension, indexing="ij")
-    cost = np.sum([growth[g] for g in grids], axis=0).ravel()
-    tie = np.sum([off_centre[g] for g in grids], axis=0).ravel()
+    grids = [g.ravel() for g in np.meshgrid(*[np.arange(len(line))] * dimension, indexing="ij")]
+    distance, cost, tie = (np.sum([f[g] for g in grids], axis=0) for f in (outside, growth, off_centre))
     order = np.lexsort((tie, np.round(cost, 9)))
-    return np.stack([line[g.ravel()[order]] for g in grids], axis=-1)
+    order = order[distance[order] <= dimension]
+    return np.stack([line[g[order]] for g in grids], axis=-1)
 
 
-def _nearest_arrays(corners: Mask, where: Indices, degree: int) -> Indices:
+def _nearest_arrays(corners: Mask, where: Indices, degree: int) -> tuple[Mask, Indices]:
     """Shift ``j - l`` from the corner l of the nearest array, for each row j of `where`.
 
-    The shifts are tried from near to far, a block at a time; the search window doubles until all are found.
+    The shifts are tried from near to far, a block at a time.
+
+    Returns
+    -------
+    tuple
+        Which rows have an array within reach, and their shifts.
     """
-    dimension = corners.ndim
+    margin = corners.ndim + degree  # around the array of corners, so that a shifted index never leaves it
+    padded = np.pad(corners, margin)
+    strides, flags = _strides(padded.shape), padded.ravel()
+    shifts = _reachable(corners.ndim, degree)
+    flat_shifts = shifts @ strides
+    base = (where + margin) @ strides
     found = np.zeros(where.shape, dtype=np.intp)
     missing = np.arange(len(where))
-    reach = degree + 2
-    while len(missing):
-        # cells around the array of corners that hold none, so that a shifted index never leaves the array
-        margin = reach + degree
-        padded = np.pad(corners, margin)
-        strides = _strides(padded.shape)
-        flags = padded.ravel()
-        shifts = _window(dimension, degree, reach)
-        flat_shifts = shifts @ strides
-        start = 0
-        while start < len(shifts) and len(missing):
-            block = max(1, min(len(shifts) - start, 200_000 // len(missing)))
-            base = (where[missing] + margin) @ strides
-            hit = flags[base[:, None] - flat_shifts[start : start + block]]
-            first = hit.argmax(axis=1)
-            done = hit[np.arange(len(missing)), first]
-            found[missing[done]] = shifts[start + first[done]]
-            missing = missing[~done]
-            start += block
-        reach *= 2
-    return found
+    start = 0
+    while start < len(shifts) and len(missing):
+        block = max(1, LOOKUPS // len(missing))
+        hit = flags[base[missing, None] - flat_shifts[start : start + block]]
+        first = hit.argmax(axis=1)
+        done = hit[np.arange(len(missing)), first]
+        found[missing[done]] = shifts[start + first[done]]
+        missing = missing[~done]
+        start += block
+    near = np.ones(len(where), dtype=bool)
+    near[missing] = False
+    return near, found

@@ -144,7 +144,8 @@ class Grid:
             One array ``(n, q)`` per direction.
         """
         return tuple(
-            self.lower[j] + self.spacing[j] * (cells[:, j, None] + unit[..., j]) for j in range(self.dimension)
+            self.lower[j] + self.spacing[j] * (cells[:, j, None] + unit[..., j])
+            for j in range(self.dimension)
         )
 
     def locate(self, points: Array) -> tuple[Integers, Array]:
@@ -161,7 +162,9 @@ def _bounded(box: Any, padding: float) -> tuple[Array, Array]:
     lower = np.asarray(box.lower, dtype=np.float64) - padding
     upper = np.asarray(box.upper, dtype=np.float64) + padding
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
-        raise GeometryError("the domain is unbounded: intersect it with a bounded shape or give the grid a box")
+        raise GeometryError(
+            "the domain is unbounded: intersect it with a bounded shape or give the grid a box"
+        )
     if not np.all(upper > lower):
         raise GeometryError(f"the box {lower.tolist()} .. {upper.tolist()} is empty")
     return lower, upper - lower

@@ -9,7 +9,7 @@ solution happens to be better than elsewhere do not flatter it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array, Field
 from solvers.background import Background
-from solvers.boundary import boundary_batches, residual
+from solvers.boundary import boundary_batches, outward, residual
 from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
@@ -65,7 +65,9 @@ def squares(jet: Array, weights: Array) -> Array:
     return np.array([jet[0][counted] ** 2 @ w, sum(row[counted] ** 2 @ w for row in jet[1:])])
 
 
-def integrate(background: Background, degree: int, integrand: Callable[[TensorBatch | PointBatch], Array]) -> float:
+def integrate(
+    background: Background, degree: int, integrand: Callable[[TensorBatch | PointBatch], Array]
+) -> float:
     """Integral over the domain of an integrand given at the nodes of a batch, shape (n, q)."""
     total = 0.0
     for batch in norm_batches(background, degree):
@@ -79,7 +81,7 @@ def with_mean(solution: Solution) -> Solution:
     problem, trial, background = solution.problem, solution.trial, solution.background
 
     def excess(batch: TensorBatch | PointBatch) -> Array:
-        values = trial.jet(batch, 0)[0]
+        values: Array = trial.jet(batch, 0)[0]
         if problem.exact is not None:
             values = values - partials(problem.exact, batch.points(background.grid), 0)[0]
         return values
@@ -98,7 +100,7 @@ def boundary_errors(problem: Problem, trial: Trial, background: Background) -> d
         if not coords[0].size:
             continue
         jet = trial.at(np.concatenate(coords, axis=1), 1)[:, :, None]
-        normals = batch.normals[counted][:, None, :]
+        normals = outward(batch)[counted][:, None, :]
         largest = float(residual(problem, condition, coords, normals, jet).max())
         name = condition.part.name
         errors[name] = max(errors.get(name, 0.0), largest)

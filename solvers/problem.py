@@ -113,4 +113,3 @@ class SolverOptions:
 
     linear: str = "auto"
     tolerance: float = 1e-12
-

@@ -20,16 +20,16 @@ from rfm.calculus.types import Array
 from rfm.errors import NumericsError
 from solvers.assembly import Assembler
 from solvers.background import Background, prepare
-from solvers.boundary import boundary_batches, natural_density
+from solvers.boundary import boundary_batches, natural_density, outward
 from solvers.data import require_finite
 from solvers.equations.density import pull_back
 from solvers.grid import Grid
 from solvers.linear import LinearSolution
 from solvers.linear import solve as solve_linear
-from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
+from solvers.norms import with_mean
+from solvers.problem import Datum, Dirichlet, Discretization, Problem, Robin, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.smoothness import rough_cells
-from solvers.norms import with_mean
 from solvers.solution import Solution, Trial
 from solvers.stopwatch import Listener, Stopwatch
 from solvers.trial import trial_structure
@@ -64,7 +64,7 @@ def solve(
         structure = trial_structure(problem, discretization.weight)
         matrix, load = assemble(problem, structure, background, watch)
     with watch.phase("solve"):
-        singular = constants_are_free(problem, matrix)
+        singular = constants_are_free(problem)
         linear = minimise(matrix, load, options, singular)
         full = background.space.full_coefficients(linear.x)
     trial = Trial(structure, background.grid, discretization.degree, full)
@@ -98,11 +98,11 @@ def assemble(
             for piece in rules.cut.take(where.start + np.flatnonzero(rough)).chunks(CHUNK):
                 add_volume(assembler, problem, structure, grid, piece)
             watch.advance(done + where.stop, total)
-    for condition, batch in boundary_batches(problem, rules.boundary, grid):
+    for condition, face in boundary_batches(problem, rules.boundary, grid):
         if not isinstance(condition, Dirichlet):
-            coords = batch.points(grid)
-            density = natural_density(problem, condition, coords, batch.normals)
-            assembler.add(batch, *pull_back(density, evaluate(structure, coords, 0), batch.weights))
+            coords = face.points(grid)
+            density = natural_density(problem, condition, coords, outward(face))
+            assembler.add(face, *pull_back(density, evaluate(structure, coords, 0), face.weights))
     return assembler.finish()
 
 
@@ -144,6 +144,8 @@ def add_folded(
         jet = evaluate(structure, coords, problem.equation.order)
         blocks, loads = pull_back(density, jet, np.ones_like(batch.weights))
         rough = rough_cells([*blocks.values(), *loads.values()], batch.nodes, len(coords))
+    # where a spline has only a sliver of its support in the domain, negative weights could make its energy negative
+    rough |= assembler.space.delicate_cells[tuple(batch.cells.T)]
     for array in (*blocks.values(), *loads.values()):
         array *= batch.weights
         array[rough] = 0.0
@@ -151,13 +153,17 @@ def add_folded(
     return rough
 
 
-def constants_are_free(problem: Problem, matrix: csr_array) -> bool:
+def constants_are_free(problem: Problem) -> bool:
     """Whether adding a constant to u leaves the energy form unchanged (pure Neumann, no reaction)."""
-    if has_essential(problem):
-        return False
-    # without essential conditions u = psi, and the spline with all coefficients 1 is the constant 1
-    one = np.ones(matrix.shape[0])
-    return float(one @ (matrix @ one)) <= 1e-12 * float(abs(matrix).sum())
+    fixed = has_essential(problem) or not is_zero(problem.equation.reaction)
+    return not fixed and all(
+        is_zero(condition.coefficient) for condition in problem.conditions if isinstance(condition, Robin)
+    )
+
+
+def is_zero(datum: Datum) -> bool:
+    """Whether `datum` is the number zero; a field counts as not zero."""
+    return not callable(datum) and float(datum) == 0.0
 
 
 def minimise(matrix: csr_array, load: Array, options: SolverOptions, singular: bool) -> LinearSolution:

@@ -1,4 +1,4 @@
-r"""Does a function continue smoothly over a whole cell?
+r"""Whether functions continue smoothly over a whole cell.
 
 A moment-fitted rule is as good as the polynomial interpolant of the integrand at its nodes.  The
 interpolant is expanded in Legendre polynomials, :math:`f = \sum_k c_k P_{k_1}(x_1)\cdots P_{k_d}(x_d)`; for a
@@ -50,7 +50,7 @@ def rough_cells(functions: Sequence[Array], nodes: Array, dim: int) -> NDArray[n
     rough = np.zeros(len(functions[0]), dtype=bool)
     transform = legendre_transform(m)
     for values in functions:
-        finite = np.isfinite(values).all(axis=1)
+        finite = np.asarray(np.isfinite(values).all(axis=1))
         rough |= ~finite
         coefficients = np.where(finite[:, None], values, 0.0).reshape((-1,) + (m,) * dim)
         largest = np.abs(coefficients).reshape(len(values), -1).max(axis=1)

@@ -7,7 +7,7 @@ indices of the *full* shape ``n + p``; index ``i`` lives on the cells ``i - p, .
 - *inner* when its support contains an inner cell,
 - *outer* when it is relevant and not inner.
 
-The basis ``web-spline`` has one unknown for each inner index and extends it to the outer ones
+The basis ``web-spline`` has one unknown for each inner index and extends it to the outer ones within reach
 (:mod:`solvers.extension`); its condition number does not depend on how the boundary cuts the cells, and it
 reproduces every polynomial of degree p. The basis ``b-spline`` has one unknown for each relevant index. The weight
 of a WEB-spline is part of the solution structure, hence not here.
@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.evaluation import evaluate
-from solvers.extension import Extension, Mask, extend, no_extension, touched
+from solvers.extension import Extension, Mask, extend, full_arrays, no_extension, touched
 from solvers.grid import Grid
 from solvers.splines import require_degree
 
@@ -113,6 +113,18 @@ class SplineSpace:
         return len(self.free.dofs)
 
     @cached_property
+    def delicate_cells(self) -> Mask:
+        """Cells with a B-spline that is free although no whole cell of its support lies in the domain.
+
+        Its energy may be as small as its part in the domain. So these cells need a quadrature rule with positive
+        weights; a moment-fitted one may make the energy negative. All cut cells are delicate for ``b-spline``, few or
+        none for ``web-spline``.
+        """
+        sheltered = np.ones(self.shape, dtype=bool)
+        sheltered.ravel()[self.free.exposed] = False
+        return ~full_arrays(sheltered, self.degree)
+
+    @cached_property
     def extension(self) -> Any:
         """The extension as a sparse matrix E, shape (n_dofs, size of the full array): full = E^T c."""
         from scipy.sparse import csr_array
@@ -147,7 +159,7 @@ def web_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) 
 
 def b_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:
     """All relevant indices free."""
-    return no_extension(relevant, relevant.ndim, degree)
+    return no_extension(touched(inside, degree), relevant, degree)
 
 
 BASES: dict[str, Callable[[Mask, Mask, int, Finer | None], Extension]] = {

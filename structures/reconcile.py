@@ -55,7 +55,7 @@ class Polynomial:
 
 def reconcile(
     domain: Shape, data: tuple[FieldExpr, FieldExpr], omegas: tuple[FieldExpr, FieldExpr], corners: Array
-) -> tuple[FieldExpr, FieldExpr]:
+) -> tuple[FieldExpr, FieldExpr, float]:
     """Return a' = a + omega_a Q_a and b' = b + omega_b Q_b that agree as well as polynomials can make them.
 
     Parameters
@@ -67,7 +67,13 @@ def reconcile(
     omegas
         omega_a and omega_b.
     corners
-        ``(n, d)``, common zeros of both.  Points where an expansion is not finite are left alone.
+        ``(n, d)``, common zeros of both, possibly none.  Points where an expansion is not finite are left alone.
+
+    Returns
+    -------
+    tuple
+        a', b' and what is left of the gap, relative to b - a: about 1e-10 where smooth extensions exist that the
+        polynomials resolve, above 1e-4 where features are too small for them.
     """
     box = finite_box(domain.box)
     half = (np.array(box.upper) - np.array(box.lower)) / 2
@@ -84,8 +90,10 @@ def reconcile(
     right = np.concatenate([at_corners[1][1:].reshape(-1), in_domain[1][0]])
     weight = (1.0 + np.tile(degrees.sum(axis=1), 2)) ** -ROUGHNESS
     solution = weight * np.linalg.lstsq(matrix * weight, right, rcond=1e-10)[0]
+    gap = float(np.linalg.norm(right))
+    left_over = float(np.linalg.norm(matrix @ solution - right)) / gap if gap > 0.0 else 0.0
     q_a, q_b = (field(_polynomial(degrees, c, center, half)) for c in np.split(solution, 2))
-    return data[0] + omegas[0] * q_a, data[1] + omegas[1] * q_b
+    return data[0] + omegas[0] * q_a, data[1] + omegas[1] * q_b, left_over
 
 
 def _equations(

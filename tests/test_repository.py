@@ -14,6 +14,8 @@ import nbformat
 import pytest
 from ruamel.yaml import YAML
 
+from rfm.app.case import load_case
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("rfm", "structures", "solvers")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
@@ -118,15 +120,14 @@ def test_no_text_names_a_package_host_or_a_machine() -> None:
 
 def test_the_targets_the_texts_mention_exist() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-    for path in (
+    texts = (
         ROOT / "README.md",
         ROOT / "CONTRIBUTING.md",
         ROOT / ".ci" / "run",
         *(ROOT / "docs").glob("*.md"),
-    ):
-        for words in re.findall(
-            r"\bmake ((?:[a-z-]+ ?)+)(?=$|[`#\n]| {2}|[A-Z]+=)", path.read_text(), re.MULTILINE
-        ):
+    )
+    for path in texts:
+        for words in re.findall(r"(?:^|`|^step )make ((?:[a-z-]+ ?)+)", path.read_text(), re.MULTILINE):
             unknown = set(words.split()) - targets
             assert not unknown, f"{name(path)} mentions make {unknown}"
 
@@ -137,6 +138,18 @@ def test_the_files_the_texts_mention_exist() -> None:
             assert (path.parent / link).exists(), f"{name(path)} links to {link}"
         for case in re.findall(r"\bcases/[\w/]+\.yaml\b", path.read_text()):
             assert (ROOT / case).exists(), f"{name(path)} mentions {case}"
+
+
+def test_the_cases_in_the_texts_are_right() -> None:
+    blocks = [
+        (path, block)
+        for path in (ROOT / "README.md", *(ROOT / "docs").glob("*.md"))
+        for block in re.findall(r"^```yaml\n(rfm: 1.*?)^```", path.read_text(), re.MULTILINE | re.DOTALL)
+    ]
+    assert blocks
+    for path, block in blocks:
+        case = YAML(typ="safe").load(block)
+        assert load_case(case).title, name(path)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=name)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from rfm.app.build import build_discretization, build_problem
 from rfm.app.case import Case, load_case
 
@@ -68,14 +70,15 @@ class Run:
     def _record(self) -> Any:
         from rfm.app.run import record_of
 
-        if self.result is None:
-            return record_of(solve_again(self.case).result)
-        return record_of(self.result)
+        result = self.result if self.result is not None else solve(self.case).result
+        if result is None:
+            raise RuntimeError("a solved run has its result")
+        return record_of(result)
 
 
 def solve(
     case: str | Path | Mapping[str, Any] | Case,
-    set: Mapping[str, Any] | None = None,  # noqa: A002 - the name of the command's option
+    set: Mapping[str, Any] | None = None,
     listener: Listener | None = None,
 ) -> Run:
     """Solve a case.
@@ -118,6 +121,6 @@ def load(path: str | Path) -> Run:
     case = load_case(stored.case)
     problem = build_problem(case)
     discretization = build_discretization(case, problem.domain)
-    grid = Grid(stored.lower, stored.spacing, stored.cells)
+    grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
     structure = trial_structure(problem, discretization.weight)
     return Run(case, Trial(structure, grid, stored.degree, stored.coefficients), stored.summary)

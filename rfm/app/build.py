@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rfm.app.blame import located
 from rfm.app.case import Case
 from rfm.app.covering import assign_parts
 from rfm.app.expressions import Expression
@@ -17,7 +18,7 @@ from rfm.app.schema.scalars import FROM_EXACT
 from rfm.app.schema.shapes import Function, Rotation, ShapeSpec
 from rfm.app.yaml_reader import Path
 from rfm.calculus.types import Field
-from rfm.errors import CaseError, DataError, DiscretizationError, GeometryError, RfmError, StructureError
+from rfm.errors import CaseError, RfmError
 
 if TYPE_CHECKING:
     from rfm.geometry.box import Box
@@ -25,12 +26,7 @@ if TYPE_CHECKING:
     from rfm.geometry.shape import Shape
     from solvers.problem import Condition, Discretization, FromExact, Problem, SolverOptions
 
-PLACES: dict[type[RfmError], Path] = {
-    GeometryError: ("geometry", "domain"),
-    DiscretizationError: ("discretization",),
-    StructureError: ("boundary_conditions",),
-}
-"""Section of a case to which an error of the solver points."""
+__all__ = ["build_discretization", "build_domain", "build_problem", "given_box", "located", "solver_options"]
 
 BORDER_SAMPLES = {2: 400, 3: 48}
 """Points a direction at which the border of a given background box is compared with the domain."""
@@ -115,25 +111,6 @@ def given_box(case: Case) -> Box | None:
     return None if case.discretization.box is None else Box(*case.discretization.box)
 
 
-def located(case: Case, error: RfmError) -> RfmError:
-    """Return the error with its place in the case, where the solver knew only what is wrong."""
-    if isinstance(error, CaseError):
-        return error
-    if isinstance(error, DataError):
-        path = getattr(error.field, "path", None)
-        return case.error(path, str(error)) if path else error
-    for kind, place in PLACES.items():
-        if isinstance(error, kind):
-            return case.error(
-                _size_key(case) if place == ("discretization",) else place, str(error), key=True
-            )
-    return error
-
-
-def _size_key(case: Case) -> Path:
-    return ("discretization", "grid" if case.discretization.spacing is None else "spacing")
-
-
 def _shape(case: Case, name: str, spec: ShapeSpec) -> Shape:
     from rfm.geometry.primitives import KINDS
 
@@ -180,6 +157,8 @@ def _argument_error(case: Case, path: Path, arguments: dict[str, Any], message: 
     match = re.match(r"(\w+) (.*)", message, re.DOTALL)
     if match and match[1] in arguments:
         return case.error((*path, match[1]), match[2])
+    if len(arguments) == 1:
+        return case.error((*path, *arguments), message)
     return case.error(path, message, key=True)
 
 

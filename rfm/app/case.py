@@ -94,35 +94,34 @@ class Case(Strict):
         if self.exact is not None:
             return
         if self.equation.poisson.source == FROM_EXACT:
-            raise fail("'from exact' needs the key exact", key="equation.poisson.source")
+            raise fail("'from exact' needs the key exact", value=("equation", "poisson", "source"))
         for i, condition in enumerate(self.boundary_conditions):
+            path: Path = ("boundary_conditions", i, condition.kind)
             if condition.from_exact:
-                raise fail(
-                    "'from exact' needs the key exact", key=f"boundary_conditions.{i}.{condition.kind}"
-                )
+                raise fail("'from exact' needs the key exact", value=path)
         for key in self.expect:
             if key in ERROR_KEYS:
-                raise fail("an error can only be expected where the key exact is given", key=f"expect.{key}")
+                raise fail("an error can only be expected where the key exact is given", key=("expect", key))
 
     def _check_names(self) -> None:
         for section, what in (("probes", "probe"), ("integrals", "integral")):
             for name in getattr(self, section):
                 wrong = check_name(name, what)
                 if wrong:
-                    raise fail(wrong, key=f"{section}.{name}")
+                    raise fail(wrong, key=(section, name))
 
     def _check_expected(self, key: str) -> None:
         section, _, rest = key.partition(".")
         if section not in SUMMARY_KEYS:
             raise fail(
-                f"unknown result {key!r}; {nearest(section, SUMMARY_KEYS, 'results')}", key=f"expect.{key}"
+                f"unknown result {key!r}; {nearest(section, SUMMARY_KEYS, 'results')}", key=("expect", key)
             )
         if section in ("probes", "integrals"):
             known = getattr(self, section)
             name = rest.partition(".")[0]
             if name not in known:
                 message = f"unknown result {key!r}; {nearest(name, known, section)}"
-                raise fail(message, key=f"expect.{key}")
+                raise fail(message, key=("expect", key))
 
     @property
     def dimension(self) -> int:
@@ -176,6 +175,9 @@ def case_from_document(document: Document, overrides: Mapping[str, Any]) -> Case
     """Validate the case of a document after applying overrides."""
     for key, value in overrides.items():
         document.override(key, value)
+    for key, field in Case.model_fields.items():
+        if not field.is_required() and document.data.get(key, ...) is None:
+            del document.data[key]  # an empty section
     scope, errors = scope_of_document(document)
     case, more = validate(Case, document, scope)
     raise_all([*errors, *more])

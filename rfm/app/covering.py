@@ -17,9 +17,9 @@ from rfm.app.case import Case
 from rfm.calculus.types import Array
 from rfm.errors import RfmError
 from rfm.geometry.box import Box
+from rfm.geometry.part import Part, union
 
 if TYPE_CHECKING:
-    from rfm.geometry.part import Part
     from rfm.geometry.shape import Shape
     from rfm.geometry.surface import Surface
 
@@ -48,7 +48,9 @@ def assign_parts(case: Case, domain: Shape) -> tuple[Part, ...]:
         raise case.error(
             ("boundary_conditions", extra, "on"), "'rest' is already taken by an earlier condition"
         )
-    left = reduce(lambda whole, part: whole - part, claimed.values(), domain.part("all"))
+    left = reduce(
+        lambda whole, part: whole - part, [_filled(case, claimed), *claimed.values()], domain.part("all")
+    )
     _refuse_bare_surfaces(case, left, rest)
     pieces = _claims_of_pieces(claimed)
     if pieces:
@@ -77,6 +79,14 @@ def _claim(case: Case, domain: Shape, index: int) -> Part:
         return part
     where = condition.where.condition(case.dimension, ("boundary_conditions", index, "where"))
     return part.restricted(where, f"{part.name} where {condition.where.text}")
+
+
+def _filled(case: Case, claimed: Mapping[int, Part]) -> Part:
+    """Surfaces that conditions without ``where`` take as a whole, possibly side by side (collinear edges)."""
+    plain = union([part for i, part in claimed.items() if case.boundary_conditions[i].where is None])
+    return Part(
+        "taken", frozenset().union(*(piece.surfaces for piece in plain.pieces if piece.where is None))
+    )
 
 
 def _refuse_shared_surfaces(case: Case, claimed: Mapping[int, Part]) -> None:
@@ -124,17 +134,15 @@ def _compare_at_points(
     case: Case, domain: Shape, claimed: Mapping[int, Part], pieces: Mapping[Surface, list[int]], rest: bool
 ) -> None:
     """Count the conditions at points of the surfaces of which pieces are claimed."""
+    somewhere: set[int] = set()
     given = None if case.discretization.box is None else Box(*case.discretization.box)
     for surface, points in boundary_points(domain, given).items():
         conditions = pieces.get(surface)
         if not conditions:
             continue
         holds = {i: _on_surface(claimed[i], surface, points) for i in conditions}
+        somewhere |= {i for i, held in holds.items() if held.any()}
         count = np.sum(list(holds.values()), axis=0)
-        for i, held in holds.items():
-            if not held.any():
-                message = f"the condition holds nowhere on {surface.name}"
-                raise case.error(("boundary_conditions", i, "where"), message)
         if (count > 1).any():
             at = int(np.argmax(count > 1))
             first, second = [i for i in conditions if holds[i][at]][:2]
@@ -146,6 +154,9 @@ def _compare_at_points(
             at = int(np.argmax(count == 0))
             message = f"no condition on {surface.name} at {_shown(points[at])}; add one for `on: rest`"
             raise case.error(("boundary_conditions",), message, key=True)
+    for i in sorted({i for conditions in pieces.values() for i in conditions} - somewhere):
+        message = f"the condition holds nowhere on {claimed[i].name.split(' where ')[0]}"
+        raise case.error(("boundary_conditions", i, "where"), message)
 
 
 def _on_surface(part: Part, surface: Surface, points: Array) -> Array:

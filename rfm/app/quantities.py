@@ -91,8 +91,10 @@ def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, soluti
     if wanted.of == "area":
         return float(batch.weights.sum())
     if wanted.of == "flux":
+        from solvers.boundary import outward
+
         gradient = solution.trial.jet(batch, 1)[1:]
-        values = solution.problem.equation.conormal_flux(batch.points(grid), gradient, batch.normals)
+        values = solution.problem.equation.conormal_flux(batch.points(grid), gradient, outward(batch))
     else:
         values = _expression_values(case, name, wanted, solution, batch)
     return float(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights))

@@ -14,7 +14,6 @@ from rfm.app.summary import Miss, misses, summarise
 from rfm.errors import RfmError
 
 if TYPE_CHECKING:
-    from solvers.problem import Condition
     from solvers.solution import Solution
     from solvers.stopwatch import Listener
 

@@ -36,17 +36,26 @@ class CombinedCaseError(CaseError):
 
 
 def raise_all(errors: Sequence[CaseError]) -> None:
-    """Raise the errors, as one exception; nothing happens when there are none."""
+    """Raise the errors in the order of their places, as one exception; nothing happens when there are none."""
+    errors = sorted(errors, key=_order)
     if len(errors) == 1:
         raise errors[0]
     if errors:
         raise CombinedCaseError(errors)
 
 
+def _order(error: CaseError) -> tuple[int, int]:
+    line, column = error.place.split(":")[-2:] if error.place.count(":") >= 2 else ("0", "0")
+    return (int(line), int(column)) if line.isdigit() and column.isdigit() else (0, 0)
+
+
 def nearest(name: str, valid: Iterable[str], what: str = "valid keys") -> str:
     """Remedy for an unknown name: the nearest valid one, or the list of all."""
     names = list(valid)
     lower = {candidate.lower(): candidate for candidate in names}
+    beginning = [candidate for candidate in names if candidate.lower().startswith(name.lower())]
+    if name and len(beginning) == 1:
+        return f"did you mean {beginning[0]!r}?"
     close = difflib.get_close_matches(name.lower(), list(lower), n=1, cutoff=0.6)
     if close:
         return f"did you mean {lower[close[0]]!r}?"

@@ -7,7 +7,8 @@ Layout of the HDF5 file (format 1)::
     /grid            attributes: lower, spacing, cells
     /versions        attributes: package -> version
     /host            attributes: name, system, machine, processors
-    /case.yaml       the resolved case, text
+    /case.json       the resolved case, text: what is loaded
+    /case.yaml       the same for people
     /summary.json    the summary, text
 
 The file is composed in memory and written by plain output, so that a full disk is an ordinary error.
@@ -47,7 +48,7 @@ class StoredSolution:
     coefficients
         Spline coefficients on the full index grid.
     case, case_text
-        The resolved case, parsed and as the YAML text that is stored.
+        The resolved case as data and as YAML text.
     """
 
     name: str
@@ -88,6 +89,7 @@ def solution_bytes(record: RunRecord) -> bytes:
         grid.attrs["cells"] = np.asarray(record.grid.cells, dtype=np.int64)
         file.create_group("versions").attrs.update(record.provenance.versions)
         file.create_group("host").attrs.update(record.provenance.host)
+        file["case.json"] = json.dumps(plain(record.case), ensure_ascii=False)
         file["case.yaml"] = case_text(record.case)
         file["summary.json"] = summary_text(record.summary)
     return buffer.getvalue()
@@ -124,7 +126,6 @@ def _read(file: Any, path: Path) -> StoredSolution:
         raise StorageError(
             f"{path} has format {found}, this version reads up to {FORMAT}: install a newer rfm"
         )
-    text = file["case.yaml"].asstr()[()]
     grid = file["grid"].attrs
     return StoredSolution(
         name=str(attributes["name"]),
@@ -135,8 +136,8 @@ def _read(file: Any, path: Path) -> StoredSolution:
         spacing=tuple(float(value) for value in grid["spacing"]),
         cells=tuple(int(value) for value in grid["cells"]),
         coefficients=np.asarray(file["coefficients"][()], dtype=np.float64),
-        case=parse_case(text),
-        case_text=text,
+        case=json.loads(file["case.json"].asstr()[()]),
+        case_text=file["case.yaml"].asstr()[()],
         summary=json.loads(file["summary.json"].asstr()[()]),
         provenance=Provenance(
             versions={key: str(value) for key, value in file["versions"].attrs.items()},
@@ -157,14 +158,6 @@ def case_text(case: Mapping[str, Any]) -> str:
     stream = io.StringIO()
     yaml.dump(_short_lists_inline(plain(case)), stream)
     return stream.getvalue()
-
-
-def parse_case(text: str) -> Mapping[str, Any]:
-    """The mapping that :func:`case_text` wrote (data only: no tags, no code)."""
-    from ruamel.yaml import YAML
-
-    parsed = YAML(typ="safe", pure=True).load(text)
-    return dict(parsed or {})
 
 
 def summary_text(summary: Mapping[str, Any]) -> str:
@@ -194,7 +187,7 @@ def _finite(value: Any) -> Any:
 
 
 def _short_lists_inline(value: Any) -> Any:
-    """Lists of numbers and mappings of numbers read better on one line."""
+    """Lists of numbers and words, and mappings of numbers, read better on one line."""
     from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
     if isinstance(value, dict):
@@ -204,7 +197,12 @@ def _short_lists_inline(value: Any) -> Any:
         return mapping
     if isinstance(value, list):
         sequence = CommentedSeq(_short_lists_inline(item) for item in value)
-        if all(item is None or isinstance(item, (int, float, str)) for item in value):
+        if all(isinstance(item, (int, float)) or _is_word(item) for item in value):
             sequence.fa.set_flow_style()
         return sequence
     return value
+
+
+def _is_word(item: Any) -> bool:
+    """Whether a text needs no care on one line with others."""
+    return isinstance(item, str) and item.replace(".", "").replace("_", "").isalnum()

@@ -10,7 +10,6 @@ import numpy as np
 
 from rfm.calculus.functions import absolute, maximum, minimum
 from rfm.calculus.types import Array, Field, Value
-from rfm.errors import GeometryError
 from rfm.geometry.surface import Surface
 
 _ON_CARRIER = 1e-9
@@ -74,37 +73,42 @@ def union(parts: Iterable[Part], name: str | None = None) -> Part:
     given = list(parts)
     name = name if name is not None else " | ".join(part.name for part in given)
     groups: dict[int, Part] = {}
-    for piece in (piece for part in given for piece in part.pieces if piece.surfaces):
-        key = id(piece.where)
-        known = groups.get(key)
-        surfaces = piece.surfaces | (known.surfaces if known else frozenset())
-        groups[key] = Part(piece.name if known is None else name, surfaces, piece.where)
-    whole = groups.get(id(None))
-    if whole is not None:
-        groups = {
-            key: part if part.where is None else replace(part, surfaces=part.surfaces - whole.surfaces)
-            for key, part in groups.items()
-        }
-    pieces = tuple(part for part in groups.values() if part.surfaces)
+    for piece in (piece for part in given for piece in part.pieces):
+        known = groups.get(id(piece.where), Part(piece.name, frozenset(), piece.where))
+        groups[id(piece.where)] = replace(known, surfaces=known.surfaces | piece.surfaces)
+    everywhere = groups.pop(id(None), Part(name, frozenset())).surfaces
+    everywhere |= {
+        surface
+        for group in groups.values()
+        for surface in group.surfaces
+        if surface.pieces
+        and all(surface in groups.get(id(p.where), _NOTHING).surfaces for p in surface.pieces)
+    }
+    restricted = [replace(group, surfaces=group.surfaces - everywhere) for group in groups.values()]
+    pieces = tuple(part for part in (Part(name, everywhere), *restricted) if part.surfaces)
     if len(pieces) <= 1:
         return replace(pieces[0], name=name) if pieces else Part(name, frozenset())
     surfaces = frozenset[Surface]().union(*(piece.surfaces for piece in pieces))
     return Part(name, surfaces, _OnSome(pieces), pieces)
 
 
+_NOTHING = Part("", frozenset())
+
+
 def _without(piece: Part, other: Part) -> list[Part]:
     """What remains of a single piece: untouched surfaces, and those on which the other is restricted."""
     rest = [replace(piece, surfaces=piece.surfaces - other.surfaces)]
-    for taken in other.pieces:
-        shared = piece.surfaces & taken.surfaces
-        if not shared or taken.where is None or taken.where is piece.where:
+    for surface in sorted(piece.surfaces & other.surfaces, key=lambda shared: shared.label):
+        taken = [member.where for member in other.pieces if surface in member.surfaces]
+        conditions = [where for where in taken if where is not None]
+        if len(conditions) < len(taken) or any(where is piece.where for where in conditions):
             continue
-        if len([member for member in other.pieces if member.surfaces & shared]) > 1:
-            raise GeometryError(
-                f"cannot subtract several restricted pieces of one surface ({other.name}); "
-                "subtract them one after the other"
-            )
-        rest.append(replace(piece, surfaces=shared).restricted(_Opposite(taken.where)))
+        alone = replace(piece, surfaces=frozenset([surface]))
+        left = [p.where for p in surface.pieces if not any(p.where is where for where in conditions)]
+        if piece.where is None and len(left) + len(conditions) == len(surface.pieces):
+            rest.extend(replace(alone, where=where) for where in left)
+        else:
+            rest.append(alone.restricted(_Smallest(tuple(_Opposite(where) for where in conditions))))
     return rest
 
 

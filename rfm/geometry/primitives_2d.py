@@ -62,7 +62,7 @@ def round_ball(center: Vector, radius: float, dimension: int) -> Shape:
     """Disk or ball."""
     middle, radius = vector("center", center, dimension), positive("radius", radius)
     function = Sphere(tuple(middle.tolist()), radius)
-    surface = Surface((), function, degree=2, size=radius, normalised=True)
+    surface = Surface((), function, degree=2, size=radius, normalised=True, peak=0.5 * radius)
     return single(surface, dimension, support.ball(middle, radius))
 
 
@@ -76,7 +76,7 @@ def quadric_ellipsoid(center: Array, lengths: Array, rows: Array) -> Shape:
     factors = -0.5 * shortest / lengths**2
     function = quadric(0.5 * shortest, factors, rows, center)
     alike = bool(np.all(lengths == shortest))
-    surface = Surface((), function, degree=2, size=shortest, normalised=alike)
+    surface = Surface((), function, degree=2, size=shortest, normalised=alike, peak=0.5 * shortest)
     return single(surface, len(center), support.ellipsoid(center, lengths[:, None] * rows))
 
 

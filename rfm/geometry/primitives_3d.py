@@ -62,7 +62,7 @@ def cylinder(center: Vector, axis: Vector, radius: float, height: float | None =
     radius = positive("radius", radius)
     rows = frame(direction)
     across = quadric(0.5 * radius, np.full(2, -0.5 / radius), rows[:2], middle)
-    lateral = Surface(("lateral",), across, degree=2, size=radius, normalised=True)
+    lateral = Surface(("lateral",), across, degree=2, size=radius, normalised=True, peak=0.5 * radius)
     disk = support.disk_across(middle, direction, radius)
     if height is None:
         return single(lateral, 3, support.minkowski_sum(disk, support.line(0.0 * middle, direction)))
@@ -105,6 +105,6 @@ def torus(center: Vector, axis: Vector, major_radius: float, minor_radius: float
         )
     first, second, along = (plane(row, float(row @ middle)) for row in frame(direction))
     function = Torus(major, minor, (first, second), along)
-    surface = Surface((), function, degree=4, size=minor)
+    surface = Surface((), function, degree=4, size=minor, peak=0.5 * minor)
     ring = support.disk_across(middle, direction, major)
     return single(surface, 3, support.minkowski_sum(ring, support.ball(0.0 * middle, minor)))

@@ -191,11 +191,6 @@ def meet(surfaces: Sequence[Surface], dimension: int, reach: Support) -> Shape:
     return Shape(dimension, conjunction([Literal(surface) for surface in surfaces]), reach)
 
 
-def join(shapes: Sequence[Shape]) -> Shape:
-    """Union of several shapes."""
-    return reduce(lambda first, second: first | second, shapes)
-
-
 def _matching(surface: Surface, wanted: Label) -> list[Part]:
     """Return the parts of a surface whose labels begin with ``wanted``."""
     name = ".".join(wanted)
@@ -212,5 +207,6 @@ def _moved(surface: Surface, similarity: Similarity) -> Surface:
         surface,
         function=move_field(surface.function, similarity),
         size=surface.size * similarity.scale,
+        peak=surface.peak * similarity.scale,
         pieces=pieces,
     )

@@ -42,6 +42,8 @@ class Surface:
         Feature size (a radius, a half width); infinite when there is none.
     normalised
         Whether the gradient has length one on the whole carrier.
+    peak
+        Largest value of the function (half the radius of a disk); infinite when there is none.
     pieces
         When several named sides lie on one carrier, they are pieces of one surface.
     auxiliary
@@ -53,6 +55,7 @@ class Surface:
     degree: int | None = None
     size: float = math.inf
     normalised: bool = False
+    peak: float = math.inf
     pieces: tuple[Piece, ...] = ()
     auxiliary: bool = False
 

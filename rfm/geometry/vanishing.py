@@ -12,8 +12,9 @@ leave the decision to this surface (the Boolean difference of the two cofactors)
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rfm.calculus.r_systems import RSystem
 from rfm.calculus.types import Field, Value
@@ -35,20 +36,30 @@ Chosen = frozenset[Surface]
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """A field that vanishes on a piece of boundary, with the surfaces it stands for."""
+    """A field that vanishes on a piece of boundary, with the surfaces it stands for.
+
+    Parameters
+    ----------
+    field
+        Zero on the piece, positive inside the domain.
+    surfaces
+        Where it vanishes.
+    hole
+        Whether it belongs to an inner feature (the outside of a closed curve, a union's corner) rather
+        than to the outline.
+    depth
+        The field is at least ``-depth`` in all of space; infinite when no bound is known.
+    """
 
     field: Field
     surfaces: tuple[Surface, ...]
+    hole: bool = True
+    depth: float = math.inf
 
     @property
     def size(self) -> float:
         """Smallest feature size of its surfaces."""
         return min(surface.size for surface in self.surfaces)
-
-    @property
-    def curved(self) -> bool:
-        """Whether some surface is not a line or a plane."""
-        return any(surface.degree != 1 for surface in self.surfaces)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +100,9 @@ def factors(
     found: list[Factor] = []
     for piece in part.pieces:
         for factor in _Builder(system, of, piece.surfaces).of_domain(expression):
-            where = piece.where
-            found.append(factor if where is None else Factor(Trimmed(factor.field, where), factor.surfaces))
+            if piece.where is not None:
+                factor = replace(factor, field=Trimmed(factor.field, piece.where), depth=math.inf)
+            found.append(factor)
     return found
 
 
@@ -137,7 +149,7 @@ class _Builder:
 
     def _of_term(self, term: Expression) -> list[Factor]:
         if isinstance(term, Literal):
-            return [Factor(self._composed(term), (term.surface,))]
+            return [_of_literal(self._composed(term), term)]
         if self._complete(term):
             return [Factor(self._composed(term), term.surfaces())]
         found: list[Factor] = []
@@ -172,6 +184,12 @@ class _Builder:
         if isinstance(expression, Literal) and expression.positive:
             return self.function(expression.surface)
         return Composition(expression, self.system, self.function)
+
+
+def _of_literal(field: Field, literal: Literal) -> Factor:
+    surface = literal.surface
+    hole = not literal.positive and surface.degree != 1
+    return Factor(field, (surface,), hole, surface.peak if hole else math.inf)
 
 
 def _difference(first: Expression | bool, second: Expression | bool) -> Expression | bool:

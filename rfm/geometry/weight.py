@@ -4,15 +4,23 @@ The weight w of the structure ``u = u0 + w psi`` is the *product* of the factors
 ``rfm.geometry.vanishing``.  R-conjunctions have the right zero set too, but at every convex corner
 they leave a kink of type r in psi, which costs two orders; the product of smooth factors is smooth.
 
-With many factors of small features the product spans orders of magnitude, and psi with it.  Then the
-factors are saturated, ``f / sqrt(1 + (f/d)^2)`` with d the feature's size: slope 1 at the boundary,
-almost constant (d) away from it, smooth on both sides of the boundary.
+Two things limit the raw product, both measured with a constant load (docs/geometry.md):
+
+* Holes.  Each factor grows from zero to many hole radii, u does not: with many holes the product
+  spans orders of magnitude and psi with it.  Then holes are *saturated*: ``f / (1 + f/d)`` with
+  ``d = 1.4 peak`` where f is the outside of a disk, ball, ellipse, round cylinder or torus.  Such an f
+  is bounded below by ``-peak`` in all of space, so there is no pole, and u ~ log r gives an analytic
+  psi.  Other holes take ``f / sqrt(1 + (f/d)^2)``, d the feature's size, which has no pole at all.
+* Many outlines that meet at obtuse corners (a polygon of many sides): u vanishes there like
+  ``r^(pi/angle)``, the product like ``r^2``, and psi is unbounded.  Then the outlines are joined by
+  the R0-conjunction, which vanishes like r.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from types import MappingProxyType
 
@@ -25,8 +33,13 @@ from rfm.geometry.part import Part, union
 from rfm.geometry.shape import Shape
 from rfm.geometry.vanishing import Factor, factors
 
-FEW_CURVED = 3
-"""Up to so many curved factors the raw product is the better weight (annulus: 2, nine holes: 9)."""
+FEW_HOLES = 3
+"""Up to so many holes ``auto`` takes the raw product (an annulus has one)."""
+
+FEW_OUTLINES = 6
+"""Up to so many outlines are multiplied, as many as a box has; more are joined by R0."""
+
+_CLEARANCE = 1.4
 
 
 def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> Field:
@@ -39,10 +52,10 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
     part
         Where the weight vanishes: a part of the shape, or several.
     system
-        ``product``: raw product of the factors; ``saturated``: product of the saturated factors;
-        ``auto``: the raw product for up to three curved factors, otherwise the saturated one; or the
-        name of a system of R-functions (``r0``, ``r0m2``, ``rp2``, ``r1``), whose conjunction then
-        joins the factors.
+        ``product``: raw product of the factors; ``saturated``: holes saturated, more than six
+        outlines joined by R0; ``auto``: like ``product`` for up to three holes and six outlines,
+        otherwise like ``saturated`` for what is more; or the name of a system of R-functions
+        (``r0``, ``r0m2``, ``rp2``, ``r1``), whose conjunction then joins the factors.
 
     Returns
     -------
@@ -78,7 +91,20 @@ class Product:
 
 
 @dataclass(frozen=True, eq=False)
-class Saturated:
+class Rational:
+    """``f / (1 + f / size)``: slope of f at its zeros, below ``size``; needs ``f > -size``."""
+
+    field: Field
+    size: float
+
+    def __call__(self, *coords: Value) -> Value:
+        """Value at the coordinates."""
+        value = self.field(*coords)
+        return value / (1.0 + value * (1.0 / self.size))
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
     """``f / sqrt(1 + (f / size)^2)``: slope of f at its zeros, between -size and size everywhere."""
 
     field: Field
@@ -111,20 +137,25 @@ def _product(given: list[Factor]) -> Field:
     return fields[0] if len(fields) == 1 else Product(fields) if fields else _one
 
 
-def _saturated(given: list[Factor]) -> Field:
-    return _product(
-        [
-            Factor(Saturated(factor.field, factor.size), factor.surfaces)
-            if factor.size < float("inf")
-            else factor
-            for factor in given
-        ]
-    )
+def _saturated(given: list[Factor], few_holes: int = 0) -> Field:
+    outlines = [factor for factor in given if not factor.hole]
+    holes = [factor for factor in given if factor.hole]
+    if len(outlines) > FEW_OUTLINES:
+        joined = _conjunction(outlines, R0)
+        outlines = [Factor(joined, tuple(s for factor in outlines for s in factor.surfaces), hole=False)]
+    if len(holes) > few_holes:
+        holes = [replace(factor, field=_limited(factor)) for factor in holes]
+    return _product([*outlines, *holes])
 
 
 def _auto(given: list[Factor]) -> Field:
-    curved = sum(factor.curved for factor in given)
-    return (_product if curved <= FEW_CURVED else _saturated)(given)
+    return _saturated(given, FEW_HOLES)
+
+
+def _limited(factor: Factor) -> Field:
+    if factor.depth < math.inf:
+        return Rational(factor.field, _CLEARANCE * factor.depth)
+    return Bounded(factor.field, factor.size) if factor.size < math.inf else factor.field
 
 
 def _conjunction(given: list[Factor], system: RSystem) -> Field:

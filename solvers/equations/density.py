@@ -16,7 +16,7 @@ the Ritz method for a quadratic energy).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from rfm.calculus.types import Array
@@ -39,7 +39,9 @@ class QuadraticDensity:
         return self.hessian.get((min(row, column), max(row, column)))
 
 
-def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array, psi: int = 0) -> tuple[Blocks, Loads]:
+def pull_back(
+    density: QuadraticDensity, jet: JetMatrix, weights: Array, psi: int = 0
+) -> tuple[Blocks, Loads]:
     """Density in the jet of psi, times quadrature weights.
 
     Parameters
@@ -58,14 +60,14 @@ def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array, psi: in
     tuple
         ``C[(alpha, alpha')]`` for ``alpha <= alpha'`` and ``b[alpha]``, nonzero entries only, weights included.
     """
-    columns: dict[int, list[tuple[int, Scalar]]] = {}
+    columns: dict[int, list[tuple[int, Array]]] = {}
     for (beta, alpha), entry in jet.entries[psi].items():
         columns.setdefault(alpha, []).append((beta, entry))
     n_beta = jet.offset.shape[0]
     # H M, one column of M at a time, weights included
-    products: dict[int, dict[int, Scalar]] = {}
+    products: dict[int, dict[int, Array]] = {}
     for alpha, column in columns.items():
-        image: dict[int, Scalar] = {}
+        image: dict[int, Array] = {}
         for beta, entry in column:
             for row in range(n_beta):
                 coefficient = density.entry(row, beta)
@@ -84,19 +86,18 @@ def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array, psi: in
             total = sum_products((entry, image[beta]) for beta, entry in column if beta in image)
             if total is not None:
                 blocks[alpha, other] = total
-        pieces: list[tuple[Scalar, Scalar]] = [
+        sources = [
             (entry, density.linear[beta] * weights) for beta, entry in column if beta in density.linear
         ]
-        pieces += [(-jet.offset[row], value) for row, value in products[alpha].items()]
-        load = sum_products(pieces)
+        load = sum_products(sources + [(-jet.offset[row], value) for row, value in products[alpha].items()])
         if load is not None:
             loads[alpha] = load
     return blocks, loads
 
 
-def sum_products(pairs: object) -> Array | None:
+def sum_products(pairs: Iterable[tuple[Array, Array]]) -> Array | None:
     """Sum of the products of `pairs`, or None when there are none."""
-    total = None
-    for left, right in pairs:  # type: ignore[attr-defined]
+    total: Array | None = None
+    for left, right in pairs:
         total = left * right if total is None else total + left * right
     return total

@@ -32,7 +32,9 @@ class Poisson:
     order = 1
     """Highest derivative of u in the energy."""
 
-    def density(self, coords: Sequence[Array], exact: Field | None, *, check: bool = True) -> QuadraticDensity:
+    def density(
+        self, coords: Sequence[Array], exact: Field | None, *, check: bool = True
+    ) -> QuadraticDensity:
         """Energy density at the points `coords` (d arrays of one shape).
 
         Raises
@@ -47,7 +49,9 @@ class Poisson:
         f = self.source_values(coords, exact, check=check)
         return QuadraticDensity(hessian, {} if isinstance(f, float) and f == 0.0 else {0: f})
 
-    def source_values(self, coords: Sequence[Array], exact: Field | None, *, check: bool = True) -> Array | float:
+    def source_values(
+        self, coords: Sequence[Array], exact: Field | None, *, check: bool = True
+    ) -> Array | float:
         """Source f at the points: given, or -div(k grad u) + c u of the exact solution u."""
         if self.source is not None:
             return values("source", self.source, coords, check=check)

@@ -68,10 +68,9 @@ class TensorBatch:
 
 @dataclass(frozen=True, eq=False)
 class PointBatch:
-    """Each cell has points of its own.
+    """Each cell has points of its own, as many as any other.
 
-    Cells are ordered by their number of points; short rules are padded with zero weights at a repeated valid node, and
-    :meth:`chunks` cuts the padding off again.
+    Short rules are padded with zero weights at a repeated valid node.
 
     Parameters
     ----------
@@ -103,31 +102,93 @@ class PointBatch:
         """Return physical coordinates, one array ``(n, q)`` per direction."""
         return grid.points(self.cells, self.nodes)
 
-    def take(self, rows: slice) -> PointBatch:
-        """Return some of the cells, without columns that are padding in all of them."""
-        weights = self.weights[rows]
-        used = np.flatnonzero(weights.any(axis=0)) if weights.size else np.zeros(0, dtype=np.int64)
-        q = int(used[-1]) + 1 if used.size else min(1, weights.shape[1])
-        normals = None if self.normals is None else self.normals[rows, :q]
-        return PointBatch(self.cells[rows], self.nodes[rows, :q], weights[:, :q], normals)
+    def take(self, rows: slice | Integers) -> PointBatch:
+        """Return some of the cells."""
+        normals = None if self.normals is None else self.normals[rows]
+        return PointBatch(self.cells[rows], self.nodes[rows], self.weights[rows], normals)
 
     def chunks(self, max_points: int) -> Iterator[PointBatch]:
-        """Cut into batches of at most about ``max_points`` points, padding included."""
-        counts = np.count_nonzero(self.weights, axis=1)
+        """Cut into batches of about ``max_points`` points."""
+        step = max(1, max_points // max(1, self.weights.shape[1]))
+        for start in range(0, len(self), step):
+            yield self.take(slice(start, start + step))
+
+
+@dataclass(frozen=True, eq=False)
+class PointRule:
+    """Each cell has points of its own, in any number; stored without padding, ordered by that number.
+
+    Parameters
+    ----------
+    cells
+        Cell indices, shape ``(n, d)``, none twice.
+    first
+        The points of cell ``i`` are those from ``first[i]`` to ``first[i + 1] - 1``; shape ``(n + 1,)``.
+    nodes, weights, normals
+        Unit coordinates ``(N, d)``, physical weights ``(N,)``, outward unit normals ``(N, d)`` or None.
+    """
+
+    cells: Integers
+    first: Integers
+    nodes: Array
+    weights: Array
+    normals: Array | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return len(self.weights)
+
+    def __len__(self) -> int:
+        """Number of cells."""
+        return len(self.cells)
+
+    @property
+    def counts(self) -> Integers:
+        """Number of points of each cell, shape ``(n,)``."""
+        return np.diff(self.first)
+
+    def points(self, grid: Grid) -> tuple[Array, ...]:
+        """Return physical coordinates, one array ``(N,)`` per direction."""
+        corners = grid.corners(self.cells)
+        where = np.repeat(np.arange(len(self)), self.counts)
+        return tuple(corners[where, j] + grid.spacing[j] * self.nodes[:, j] for j in range(grid.dimension))
+
+    def take(self, rows: slice | Integers) -> PointRule:
+        """Return some of the cells (in ascending order)."""
+        chosen = np.arange(len(self))[rows]
+        counts = self.counts[chosen]
+        first = np.concatenate([[0], np.cumsum(counts)])
+        where = np.repeat(self.first[chosen] - first[:-1], counts) + np.arange(first[-1])
+        normals = None if self.normals is None else self.normals[where]
+        return PointRule(self.cells[chosen], first, self.nodes[where], self.weights[where], normals)
+
+    def padded(self) -> PointBatch:
+        """Return the rule with as many points in every cell."""
+        n, q = len(self), int(self.counts.max(initial=0))
+        column = np.arange(q)
+        valid = column < self.counts[:, None]
+        where = self.first[:-1, None] + np.where(valid, column, 0)
+        normals = None if self.normals is None else self.normals[where]
+        weights = np.where(valid, self.weights[where], 0.0)
+        return PointBatch(self.cells, self.nodes[where].reshape(n, q, self.cells.shape[1]), weights, normals)
+
+    def chunks(self, max_points: int) -> Iterator[PointBatch]:
+        """Cut into padded batches of at most about ``max_points`` points, padding included."""
+        counts = self.counts
         start = 0
         while start < len(self):
-            # Rows are sorted by length, so a chunk is as wide as its last row.
-            widths = np.maximum.accumulate(np.maximum(counts[start:], 1))
-            fits = int(np.searchsorted(widths * np.arange(1, len(widths) + 1), max_points, side="right"))
-            stop = start + max(1, fits)
-            yield self.take(slice(start, stop))
+            # The last cell of a chunk is the widest.
+            sizes = counts[start:] * np.arange(1, len(counts) - start + 1)
+            stop = start + max(1, int(np.searchsorted(sizes, max_points, side="right")))
+            yield self.take(slice(start, stop)).padded()
             start = stop
 
     @classmethod
     def gather(
         cls, cells: Integers, rows: Integers, nodes: Array, weights: Array, normals: Array | None = None
-    ) -> PointBatch:
-        """Build a batch from a flat list of points.
+    ) -> PointRule:
+        """Sort a flat list of points by cells.
 
         Parameters
         ----------
@@ -136,33 +197,14 @@ class PointBatch:
         rows
             Row of ``cells`` each point belongs to, shape ``(N,)``.
         nodes, weights, normals
-            Unit coordinates ``(N, d)``, physical weights ``(N,)``, normals ``(N, d)`` or None.
+            As of the rule.
         """
-        d = cells.shape[1]
         counts = np.bincount(rows, minlength=len(cells))
         ranking = np.argsort(counts, kind="stable")
+        place = np.empty_like(ranking)
+        place[ranking] = np.arange(len(ranking))
+        order = np.argsort(place[rows], kind="stable")
         ranking = ranking[counts[ranking] > 0]
-        n, q = len(ranking), int(counts.max(initial=0))
-        place = np.empty(len(cells), dtype=np.int64)
-        place[ranking] = np.arange(n)
-        order = np.argsort(rows, kind="stable")
-        first = np.zeros(len(cells), dtype=np.int64)
-        first[1:] = np.cumsum(counts)[:-1]
-        sorted_rows = rows[order]
-        column = np.arange(len(rows)) - first[sorted_rows]
-        flat = place[sorted_rows] * q + column
-        heads = order[first[ranking]] if n else order[:0]
-
-        def fill(values: Array) -> Array:
-            padded = np.repeat(values[heads], q, axis=0)
-            padded[flat] = values[order]
-            return padded.reshape(n, q, d)
-
-        padded_weights = np.zeros(n * q)
-        padded_weights[flat] = weights[order]
-        return cls(
-            cells[ranking],
-            fill(nodes),
-            padded_weights.reshape(n, q),
-            None if normals is None else fill(normals),
-        )
+        first = np.concatenate([[0], np.cumsum(counts[ranking])])
+        normals = None if normals is None else normals[order]
+        return cls(cells[ranking], first, nodes[order], weights[order], normals)

@@ -7,7 +7,7 @@ the same polynomial degree, so that every step is one array operation over the g
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -44,7 +44,7 @@ class Boxes:
     signs
         Signs of all surfaces, shape ``(n, S)``; those of the slots are 0.
     depth
-        Number of halvings.
+        Number of halvings, shape ``(n,)``.
     """
 
     row: Integers
@@ -54,7 +54,7 @@ class Boxes:
     c: Array
     noise: Array
     signs: Signs
-    depth: int = 0
+    depth: Integers
 
     def __len__(self) -> int:
         """Number of boxes."""
@@ -97,6 +97,7 @@ class Boxes:
             c=self.c[rows],
             noise=self.noise[rows],
             signs=self.signs[rows],
+            depth=self.depth[rows],
         )
 
     def choose(self, rows: Integers, slots: Integers, signs: Signs) -> Boxes:
@@ -110,6 +111,7 @@ class Boxes:
             c=self.c[rows[:, None], slots],
             noise=self.noise[rows[:, None], slots],
             signs=signs,
+            depth=self.depth[rows],
         )
 
 
@@ -175,7 +177,8 @@ def _sampled(
         good[:] = True
     if good.any():
         keep = np.flatnonzero(good)
-        yield Boxes(rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], depth)
+        levels = np.full(len(keep), depth)
+        yield Boxes(rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], levels)
     bad = np.flatnonzero(~good)
     if bad.size:
         half = 0.5 * width[bad]
@@ -185,19 +188,29 @@ def _sampled(
             )
 
 
-def children(boxes: Boxes, axes: Iterable[int]) -> Iterator[Boxes]:
+def children(boxes: Boxes, axes: Iterable[int]) -> Boxes:
     """Halve boxes along some directions."""
-    parts = [boxes]
     for axis in axes:
-        halved = []
-        for part in parts:
-            left, right = bernstein.bisect(part.c, 2 + axis)
-            width = part.width.copy()
-            width[:, axis] *= 0.5
-            shifted = part.lower.copy()
-            shifted[:, axis] += width[:, axis]
-            halved.append(replace(part, width=width, c=left))
-            halved.append(replace(part, lower=shifted, width=width, c=right))
-        parts = halved
-    for part in parts:
-        yield replace(part, depth=boxes.depth + 1)
+        left, right = bernstein.bisect(boxes.c, 2 + axis)
+        width = boxes.width.copy()
+        width[:, axis] *= 0.5
+        shifted = boxes.lower.copy()
+        shifted[:, axis] += width[:, axis]
+        boxes = joined([replace(boxes, width=width, c=left), replace(boxes, lower=shifted, width=width, c=right)])
+    return replace(boxes, depth=boxes.depth + 1)
+
+
+def joined(groups: list[Boxes]) -> Boxes:
+    """Join groups with the same number of slots and the same degree."""
+    if len(groups) == 1:
+        return groups[0]
+    return Boxes(**{f.name: np.concatenate([getattr(group, f.name) for group in groups]) for f in fields(Boxes)})
+
+
+def merged(groups: Iterable[Boxes]) -> list[Boxes]:
+    """Join whatever groups can be joined."""
+    kinds: dict[tuple[int, int], list[Boxes]] = {}
+    for group in groups:
+        if len(group):
+            kinds.setdefault((group.slots.shape[1], group.degree), []).append(group)
+    return [joined(kind) for kind in kinds.values()]

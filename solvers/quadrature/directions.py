@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.quadrature import bernstein
+from solvers.quadrature.traces import crosses
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
@@ -32,6 +33,10 @@ STEADY = 3.0
 
 STEADY_EDGE = 8.0
 """The same for the traces on faces and for edges."""
+
+
+SUSPECT = 1
+"""Number of halvings after which traces that seem to turn on a face are looked at closely."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +84,7 @@ def choose(boxes: Boxes, heights: int) -> Choice:
     limit = STEADY + 1.0
     orders = list(permutations(range(d)))
     rows = np.arange(len(boxes))
-    if d == 2:  # noqa: PLR2004
+    if d == 2:
         best = score.argmin(axis=1)
         axes = np.asarray(orders)[best]
         valid = score[rows, best] <= limit
@@ -119,19 +124,21 @@ def _unsteadiness(low: Array, high: Array) -> Array:
 
 def _trace_score(boxes: Boxes, k: int, j: int, heights: int) -> Array:
     """Unsteadiness along ``j`` of the surfaces on the two faces across ``k``: 0 if fine, large if not."""
-    c = boxes.c[:, :heights]
+    axis = j if j < k else j - 1
     noise = boxes.noise[:, :heights]
-    axis = 2 + (j if j < k else j - 1)
     worst = np.zeros(len(boxes))
-    for face in (np.take(c, 0, axis=2 + k), np.take(c, -1, axis=2 + k)):
+    for side in (0, -1):
+        face = np.take(boxes.c[:, :heights], side, axis=2 + k)
         low, high = bernstein.bounds(face, 2)
-        meets = (low < -noise) & (high > noise)
-        d_low, d_high = bernstein.bounds(bernstein.derivative(face, axis), 2)
-        level = 4 * (boxes.degree + 1) * noise
-        flat = np.maximum(np.abs(d_low), np.abs(d_high)) <= level
-        score = _unsteadiness(d_low, d_high)
-        score = np.where(score <= STEADY_EDGE, score, 1e4)
-        worst = np.maximum(worst, np.where(meets & ~flat, score, 0.0).max(axis=1))
+        d_low, d_high = bernstein.bounds(bernstein.derivative(face, 2 + axis), 2)
+        flat = np.maximum(np.abs(d_low), np.abs(d_high)) <= 4 * (boxes.degree + 1) * noise
+        score = np.where(flat | (low >= -noise) | (high <= noise), 0.0, _unsteadiness(d_low, d_high))
+        bad = score > STEADY_EDGE
+        # A trace that only touches the face breaks nothing; most others are dealt with by halving.
+        suspect = bad & (boxes.depth >= SUSPECT)[:, None]
+        if suspect.any() and boxes.degree > 1:
+            bad[suspect] = crosses(face[suspect], noise[suspect])
+        worst = np.maximum(worst, np.where(bad, 1e4, np.where(score > STEADY_EDGE, 0.0, score)).max(axis=1))
     return worst
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rfm.calculus.jets import partials
-from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.boxes import initial_boxes
 from solvers.quadrature.logic import Logic
 from solvers.quadrature.recursion import BoundaryPart, VolumePart, boundary_rule, volume_rule
@@ -41,7 +41,7 @@ class DomainRules:
     """
 
     inner: TensorBatch
-    cut: PointBatch
+    cut: PointRule
     boundary: dict[Surface, PointBatch]
     unresolved: float
 
@@ -82,11 +82,11 @@ def _joined(arrays: Iterable[Array], empty: tuple[int, ...]) -> Array:
     return np.concatenate(arrays) if arrays else np.zeros(empty)
 
 
-def _volume_batch(grid: Grid, cells: Integers, parts: list[VolumePart]) -> PointBatch:
+def _volume_batch(grid: Grid, cells: Integers, parts: list[VolumePart]) -> PointRule:
     rows = _joined((part.row for part in parts), (0,)).astype(np.int64)
     nodes = _joined((part.nodes for part in parts), (0, grid.dimension))
     weights = _joined((part.weights for part in parts), (0,)) * grid.cell_volume
-    return PointBatch.gather(cells, rows, nodes, weights)
+    return PointRule.gather(cells, rows, nodes, weights)
 
 
 def _boundary_batches(
@@ -107,7 +107,8 @@ def _boundary_batches(
         length = np.sqrt((gradient**2).sum(axis=1))
         slope = np.abs(gradient[np.arange(len(chosen)), axis[chosen]])
         normals = -gradient * (inner_sign[chosen] / length)[:, None]
-        batches[surface] = PointBatch.gather(cells, row[chosen], at, weights[chosen] * length / slope, normals)
+        rule = PointRule.gather(cells, row[chosen], at, weights[chosen] * length / slope, normals)
+        batches[surface] = rule.padded()
     return batches
 
 
@@ -121,7 +122,7 @@ def _on_surface(
         if moved or is_exact(surface):
             break
         step = jet[0] / (jet[1:][axis, rows] * grid.spacing[axis])
-        step = np.where(np.abs(step) < 1e-3, step, 0.0)  # noqa: PLR2004  (a singular point: stay)
+        step = np.where(np.abs(step) < 1e-3, step, 0.0)
         nodes = nodes.copy()
         nodes[rows, axis] = np.clip(nodes[rows, axis] - step, 0.0, 1.0)
     return nodes, jet[1:].T

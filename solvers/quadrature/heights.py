@@ -30,6 +30,9 @@ DEGREE = 10
 
 POLISHING = 4
 
+ENOUGH = 0.1
+"""Least over greatest derivative with which a function is taken for the height without looking at the other one."""
+
 
 def height(lines: Array, noise: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Return where monotone functions vanish on lines, and whether they do.
@@ -89,7 +92,8 @@ def meetings(c1: Array, c2: Array, noise1: Array, noise2: Array) -> tuple[Intege
     if not candidates.size:
         return candidates, np.zeros(0), np.zeros(0)
     c1, c2, noise1, noise2 = c1[candidates], c2[candidates], noise1[candidates], noise2[candidates]
-    swap = _steadiness(c2, noise2) > _steadiness(c1, noise1)
+    steadiness = _steadiness(c1, noise1)
+    swap = (steadiness < ENOUGH) & (_steadiness(c2, noise2) > steadiness)
     c1, c2 = np.where(swap[:, None, None], c2, c1), np.where(swap[:, None, None], c1, c2)
     noise1, noise2 = np.where(swap, noise2, noise1), np.where(swap, noise1, noise2)
     pieces = broken(len(candidates), [face_roots(c1[:, None], noise1[:, None])])
@@ -102,6 +106,9 @@ def meetings(c1: Array, c2: Array, noise1: Array, noise2: Array) -> tuple[Intege
     x, _ = height(restrict(c1[owner], y), noise1[owner, None])
     values = bernstein.evaluate(restrict(c2[owner], y), x)
     piece, at = real_roots(bernstein.interpolate(values, 1), noise2[owner])
+    # A meeting where the height leaves the box may be lost to rounding: take such ends for meetings.
+    end, side = np.nonzero(np.abs(values[:, [0, -1]]) <= 1e3 * noise2[owner, None])
+    piece, at = np.concatenate([piece, end]), np.concatenate([at, side.astype(np.float64)])
     where = owner[piece]
     guess_y = pieces.start[piece] + pieces.length[piece] * at
     guess_x, _ = height(restrict(c1[where], guess_y[:, None])[:, 0], noise1[where])
@@ -113,7 +120,7 @@ def _steadiness(c: Array, noise: Array) -> Array:
     """Least over greatest derivative along ``x``, 0 where it changes sign or is noise."""
     low, high = bernstein.bounds(bernstein.derivative(c, 1), 2)
     least = np.where(low > 0, low, np.where(high < 0, -high, 0.0))
-    return np.where(least > 4 * c.shape[-1] * noise, least / np.maximum(np.abs(low), np.abs(high)), 0.0)
+    return np.where(least > 4 * c.shape[-1] * noise, least / np.maximum(np.maximum(np.abs(low), np.abs(high)), 1e-300), 0.0)
 
 
 def _polish(c1: Array, c2: Array, y0: Array, x0: Array) -> tuple[Array, Array]:
@@ -157,6 +164,8 @@ def triple_points(c: Array, noise: Array, triples: list[tuple[int, int, int]], b
         where, y, x = meetings(flat[:, i], flat[:, j], level[:, i], level[:, j])
         order = np.lexsort((y, where))
         where, y, x = where[order], y[order], x[order]
+        once = np.append(True, (np.diff(where) > 0) | (np.diff(y) > 1e-7))[: len(where)]
+        where, y, x = where[once], y[once], x[once]
         counts = np.bincount(where, minlength=p * q).reshape(p, q)
         first = (np.cumsum(counts.ravel()) - counts.ravel()).reshape(p, q)
         third = np.einsum(
@@ -165,7 +174,7 @@ def triple_points(c: Array, noise: Array, triples: list[tuple[int, int, int]], b
             bernstein.basis(c.shape[2] - 1, x),
             bernstein.basis(c.shape[3] - 1, y),
         )
-        for rank in range(int(counts.min(axis=1, initial=0).max(initial=0))):
+        for rank in range(int(counts.min(axis=1).max(initial=0))):
             followed = np.flatnonzero((counts == counts[:, :1]).all(axis=1) & (counts[:, 0] > rank))
             values = third[first[followed] + rank]
             piece, at = real_roots(bernstein.interpolate(values, 1), noise[pieces.owner[followed], k])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.pieces import gauss
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 POINTS_AT_ONCE = 60_000
 
 
-def fold(cut: PointBatch, nodes_per_direction: int) -> TensorBatch:
+def fold(cut: PointBatch | PointRule, nodes_per_direction: int) -> TensorBatch:
     """Fold the rule of each cell into a tensor rule; the cells keep their order.
 
     Parameters
@@ -41,7 +41,7 @@ def fold(cut: PointBatch, nodes_per_direction: int) -> TensorBatch:
         legendre = _legendre(piece.nodes, m)
         first = legendre[:, :, 0] * piece.weights[..., None]
         others = legendre[:, :, 1]
-        if d == 3:  # noqa: PLR2004
+        if d == 3:
             others = (others[..., :, None] * legendre[:, :, 2, None, :]).reshape(n, -1, m * m)
         moments = (first.transpose(0, 2, 1) @ others).reshape(n, *[m] * d)
         weights[start : start + n] = _from_legendre(moments).reshape(n, -1)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.quadrature import bernstein
-from solvers.quadrature.boxes import Boxes, children, strict_signs
+from solvers.quadrature.boxes import Boxes, children, merged, strict_signs
 from solvers.quadrature.directions import Choice, choose
 from solvers.quadrature.logic import Logic
 from solvers.quadrature.pieces import gauss
@@ -74,44 +74,47 @@ class BoundaryPart:
 
 def volume_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[VolumePart]:
     """Integrate over the domain in some boxes, ``order`` points on each piece of a line."""
-    pending = list(boxes)
+    pending = merged(boxes)
     while pending:
-        group = pending.pop()
-        signs = group.all_signs
-        value = logic.value(signs)
-        full = np.flatnonzero(value > 0)
-        if full.size:
-            yield _whole(group, full, order)
-        open_rows = np.flatnonzero(value == 0)
-        for part in _grouped(logic, group, open_rows, signs[open_rows], 0):
-            for piece in _chunks(part, order):
-                choice = _choose(piece, piece.slots.shape[1])
-                if choice.valid.any():
-                    yield _integrate(logic, piece, choice, order)
-                rest = np.flatnonzero(~choice.valid)
-                if not rest.size:
-                    continue
-                if piece.depth >= DEPTH[piece.dimension]:
-                    yield _fallback(logic, piece.take(rest), order)
-                else:
-                    pending.extend(_halved(piece, choice, rest))
+        open_boxes: list[Boxes] = []
+        for group in pending:
+            signs = group.all_signs
+            value = logic.value(signs)
+            full = np.flatnonzero(value > 0)
+            if full.size:
+                yield _whole(group, full, order)
+            rows = np.flatnonzero(value == 0)
+            open_boxes.extend(_grouped(logic, group, rows, signs[rows], 0))
+        following: list[Boxes] = []
+        for piece in _chunks(merged(open_boxes), order):
+            choice = _choose(piece, piece.slots.shape[1])
+            if choice.valid.any():
+                yield _integrate(logic, piece, choice, order)
+            last = piece.depth >= DEPTH[piece.dimension]
+            lost = np.flatnonzero(~choice.valid & last)
+            if lost.size:
+                yield _fallback(logic, piece.take(lost), order)
+            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid & ~last)))
+        pending = merged(following)
 
 
 def boundary_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[BoundaryPart]:
     """Integrate over the boundary of the domain in some boxes, ``order`` points on each piece of a base line."""
-    pending = [target for group in boxes for target in _targets(logic, group)]
+    pending = merged(target for group in boxes for target in _targets(logic, group))
     while pending:
-        group = pending.pop()
-        signs = strict_signs(group)
-        rows = np.flatnonzero(logic.relevant(signs)[np.arange(len(group)), group.slots[:, 0]])
-        for part in _grouped(logic, group, rows, signs[rows], 1):
-            for piece in _chunks(part, order):
-                choice = _choose(piece, 1)
-                if choice.valid.any():
-                    yield _integrate_boundary(logic, piece, choice, order)
-                rest = np.flatnonzero(~choice.valid)
-                if rest.size and piece.depth < DEPTH[piece.dimension]:
-                    pending.extend(_halved(piece, choice, rest))
+        open_boxes: list[Boxes] = []
+        for group in pending:
+            signs = strict_signs(group)
+            rows = np.flatnonzero(logic.relevant(signs)[np.arange(len(group)), group.slots[:, 0]])
+            open_boxes.extend(_grouped(logic, group, rows, signs[rows], 1))
+        following: list[Boxes] = []
+        for piece in _chunks(merged(open_boxes), order):
+            choice = _choose(piece, 1)
+            if choice.valid.any():
+                yield _integrate_boundary(logic, piece, choice, order)
+            last = piece.depth >= DEPTH[piece.dimension]
+            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid & ~last)))
+        pending = merged(following)
 
 
 def _targets(logic: Logic, group: Boxes) -> Iterator[Boxes]:
@@ -140,13 +143,12 @@ def _grouped(logic: Logic, group: Boxes, rows: Integers, signs: Array, fixed: in
         yield part
 
 
-def _chunks(group: Boxes, order: int) -> Iterator[Boxes]:
-    step = max(1, POINTS_AT_ONCE // (4 * order**group.dimension))
-    if len(group) <= step:
-        yield group
-        return
-    for start in range(0, len(group), step):
-        yield group.take(np.arange(start, min(start + step, len(group))))
+def _chunks(groups: list[Boxes], order: int) -> Iterator[Boxes]:
+    for group in groups:
+        step = max(1, POINTS_AT_ONCE // (4 * order**group.dimension))
+        for start in range(0, len(group), step):
+            whole = len(group) <= step
+            yield group if whole else group.take(np.arange(start, min(start + step, len(group))))
 
 
 def _choose(boxes: Boxes, heights: int) -> Choice:
@@ -162,11 +164,11 @@ def _halved(boxes: Boxes, choice: Choice, rows: Integers) -> Iterator[Boxes]:
     d = boxes.dimension
     everywhere = rows[~choice.base_only[rows]]
     if everywhere.size:
-        yield from children(boxes.take(everywhere), range(d))
+        yield children(boxes.take(everywhere), range(d))
     for k in range(d):
         chosen = rows[choice.base_only[rows] & (choice.axes[rows, 0] == k)]
         if chosen.size:
-            yield from children(boxes.take(chosen), [axis for axis in range(d) if axis != k])
+            yield children(boxes.take(chosen), [axis for axis in range(d) if axis != k])
 
 
 def _graphs(logic: Logic, boxes: Boxes, choice: Choice, rows: Integers) -> Graphs:

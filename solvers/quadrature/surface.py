@@ -60,7 +60,7 @@ def boundary_points(graphs: Graphs, preceding: Mask, order: int) -> BoundaryPoin
     """
     m = graphs.noise.shape[1]
     pairs = [(0, j) for j in range(1, m)]
-    if graphs.c.ndim == 4:  # noqa: PLR2004
+    if graphs.c.ndim == 4:
         return _plane(graphs, preceding, order, pairs)
     triples = [(0, i, j) for i in range(1, m) for j in range(i + 1, m)]
     owner, z, weight = base_nodes(graphs, order, pairs, triples)

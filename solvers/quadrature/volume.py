@@ -64,7 +64,7 @@ class Points:
 
 def volume_points(graphs: Graphs, order: int) -> Points:
     """Return the rule for the domain in all boxes."""
-    if graphs.c.ndim == 4:  # noqa: PLR2004
+    if graphs.c.ndim == 4:
         return _plane(graphs, order)
     owner, z, weight = base_nodes(graphs, order, all_pairs(graphs), all_triples(graphs))
     plane = _plane(graphs.slices(owner, z), order)

@@ -164,7 +164,7 @@ def test_intervals_enclose():
         ("x := 2", 2, "character ':'"),
         ("x[0]", 1, "character '['"),
         ("lambda x: x", 8, "character ':'"),
-        ("__import__('os')", 11, "character \"'\""),
+        ("__import__('os')", 11, 'character "\'"'),
         ("__import__(x)", 0, "unknown function '__import__'"),
         ("x # y", 2, "character '#'"),
         ("π*x", 0, "character 'π'"),
@@ -185,7 +185,15 @@ def test_mistakes_are_placed(text, offset, words):
 
 @pytest.mark.parametrize(
     "text",
-    ["(" * 3000 + "x" + ")" * 3000, "-" * 3500 + "x", "sin(" * 500 + "x" + ")" * 500, "9" * 3900, "x" * 5000, "x^" * 1900 + "x", "not " * 900 + "x"],
+    [
+        "(" * 3000 + "x" + ")" * 3000,
+        "-" * 3500 + "x",
+        "sin(" * 500 + "x" + ")" * 500,
+        "9" * 3900,
+        "x" * 5000,
+        "x^" * 1900 + "x",
+        "not " * 900 + "x",
+    ],
 )
 def test_deep_and_long_expressions_are_refused(text):
     with pytest.raises(ExpressionError):
@@ -210,7 +218,15 @@ def test_variables_without_a_value():
 
 @pytest.mark.parametrize(
     "text",
-    ["x > 0.2", "x < y", "x > 0 and y > 0", "x > 0.5 or y > 0.5", "not (x > 0 and y <= x)", "0 < x < 0.7", "not x > 0"],
+    [
+        "x > 0.2",
+        "x < y",
+        "x > 0 and y > 0",
+        "x > 0.5 or y > 0.5",
+        "not (x > 0 and y <= x)",
+        "0 < x < 0.7",
+        "not x > 0",
+    ],
 )
 def test_conditions_become_functions_of_the_right_sign(text):
     points = np.random.default_rng(1).uniform(-1, 1, (2, 500))
@@ -221,7 +237,13 @@ def test_conditions_become_functions_of_the_right_sign(text):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("x + 1", "is expected"), ("1 > 0", "everywhere"), ("1 < 0", "nowhere"), ("x == y", "selects no piece"), ("x > 0 or y != 0", "selects no piece")],
+    [
+        ("x + 1", "is expected"),
+        ("1 > 0", "everywhere"),
+        ("1 < 0", "nowhere"),
+        ("x == y", "selects no piece"),
+        ("x > 0 or y != 0", "selects no piece"),
+    ],
 )
 def test_conditions_that_select_nothing_sensible(text, words):
     with pytest.raises(ExpressionError, match=words):
@@ -230,7 +252,17 @@ def test_conditions_that_select_nothing_sensible(text, words):
 
 @pytest.mark.parametrize(
     ("text", "degree"),
-    [("1", 0), ("x", 1), ("x*y + 1", 2), ("-(x^2 - y)^3", 6), ("x/2", 1), ("1/x", None), ("x^0.5", None), ("sin(x)", None), ("x^y", None)],
+    [
+        ("1", 0),
+        ("x", 1),
+        ("x*y + 1", 2),
+        ("-(x^2 - y)^3", 6),
+        ("x/2", 1),
+        ("1/x", None),
+        ("x^0.5", None),
+        ("sin(x)", None),
+        ("x^y", None),
+    ],
 )
 def test_polynomials_are_recognised(text, degree):
     assert polynomial_degree(Expression(text).node) == degree
@@ -247,7 +279,9 @@ def grow(inner):
     flat = st.lists(inner, min_size=2, max_size=4).map(" - ".join).map(lambda t: f"({t})")
     power = inner.map(lambda t: f"({t})^2")
     signed = inner.map(lambda t: f"-{t}")
-    call = st.tuples(st.sampled_from(["sin", "cos", "atan", "tanh", "abs"]), inner).map(lambda t: f"{t[0]}({t[1]})")
+    call = st.tuples(st.sampled_from(["sin", "cos", "atan", "tanh", "abs"]), inner).map(
+        lambda t: f"{t[0]}({t[1]})"
+    )
     several = st.lists(inner, min_size=2, max_size=3).map(lambda t: f"max({', '.join(t)})")
     return st.one_of(binary, flat, power, signed, call, several)
 

@@ -59,7 +59,23 @@ def test_offset_inside_a_scalar_of_any_style(yaml, place):
 def test_plain_scalars_follow_the_core_schema():
     text = "a: [1, -2.5, 1e-3, .5, ~, null, true, False, yes, on, 0x1F, 1_0, .inf, '1', 2026-01-02]"
     values = from_text(text, "c").data["a"]
-    assert values == [1, -2.5, 1e-3, 0.5, None, None, True, False, "yes", "on", "0x1F", "1_0", float("inf"), "1", "2026-01-02"]
+    assert values == [
+        1,
+        -2.5,
+        1e-3,
+        0.5,
+        None,
+        None,
+        True,
+        False,
+        "yes",
+        "on",
+        "0x1F",
+        "1_0",
+        float("inf"),
+        "1",
+        "2026-01-02",
+    ]
     assert from_text("on: all\nno: 1\n", "c").data == {"on": "all", "no": 1}
 
 
@@ -127,16 +143,17 @@ def test_long_lines_are_cut_around_the_caret():
 @settings(max_examples=300, deadline=None)
 @given(st.text(alphabet="ab:-[]{}&*!|>'\"#%@,? \n\t\x00é", max_size=60))
 def test_any_text_is_read_or_refused(text):
+    place = (1, 1)
     try:
         read(text)
     except YamlError as error:
-        assert error.line >= 1
-        assert error.column >= 1
+        place = error.line, error.column
+    assert min(place) >= 1
 
 
 def test_files_that_are_no_cases(tmp_path):
-    with pytest.raises(CaseError, match="no such file; did you mean .*annulus.yaml"):
-        (tmp_path / "annulus.yaml").write_text("rfm: 1")
+    (tmp_path / "annulus.yaml").write_text("rfm: 1")
+    with pytest.raises(CaseError, match=r"no such file; did you mean .*annulus\.yaml"):
         from_file(tmp_path / "anulus.yaml")
     with pytest.raises(CaseError, match="nor a folder"):
         from_file(tmp_path / "nowhere" / "case.yaml")
@@ -180,7 +197,13 @@ def test_a_later_override_hides_an_earlier_one():
 
 @pytest.mark.parametrize(
     ("key", "words"),
-    [("a.c.2", "no index"), ("a.c.x", "no index"), ("d.e", "has no keys"), ("a..b", "dotted key"), ("", "dotted key")],
+    [
+        ("a.c.2", "no index"),
+        ("a.c.x", "no index"),
+        ("d.e", "has no keys"),
+        ("a..b", "dotted key"),
+        ("", "dotted key"),
+    ],
 )
 def test_overrides_that_lead_nowhere(key, words):
     with pytest.raises(CaseError, match=words) as caught:

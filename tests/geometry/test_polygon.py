@@ -99,8 +99,14 @@ def test_every_line_is_one_surface() -> None:
     shared = next(surface for surface in shape.surfaces if surface.pieces)
     assert shared.name == "edge2+edge6"
     assert shape.part("edge2").where is not None
-    # both pieces together are the whole surface again
-    assert (shape.part("edge2") | shape.part("edge3")).pieces[0].where is not shape.part("all").where
+    # both pieces together are the whole surface again, and each is what the other leaves
+    both = shape.part("edge2") | shape.part("edge6")
+    assert (both.where, both.surfaces) == (None, frozenset([shared]))
+    rest = shape.part("all") - shape.part("edge2")
+    assert len(rest.pieces) == 2
+    assert rest.pieces[1].where is shape.part("edge6").where
+    assert shared not in (shape.part("all") - both).surfaces
+    assert shared not in (rest - shape.part("edge6")).surfaces
     assert shape.part("all").where is None
 
 

@@ -168,6 +168,37 @@ def test_many_holes_are_saturated() -> None:
     assert spread["saturated"] < spread["product"] - 1.0
 
 
+@pytest.mark.parametrize("hole", [g.disk((0, 0), 0.3), g.ellipse((0, 0), (0.3, 0.5), 1.0).scale(2.0)])
+def test_saturated_holes_have_no_pole_and_a_limit(hole: Shape) -> None:
+    """Also inside the hole, where moment-fitted rules have nodes."""
+    domain = g.rectangle((-2, -2), (2, 2)) - hole.named("hole")
+    part = domain.part("hole")
+    grid = np.meshgrid(*[np.linspace(-2, 2, 401)] * 2)
+    values = g.weight(domain, part, "saturated")(*grid)
+    assert np.isfinite(values).all()
+    assert np.abs(values).max() < 2.0
+    np.testing.assert_array_equal(values > 0, hole.surfaces[0].function(*grid) < 0)
+
+
+def test_torus_peak_bounds_its_function() -> None:
+    (surface,) = ring.surfaces
+    points = inside_points(ring, 200_000)
+    values = surface.function(*points.T)
+    assert 0.99 * surface.peak < values.max() <= surface.peak
+
+
+def test_many_outlines_are_joined_by_r0() -> None:
+    """At the obtuse corners of a polygon of many sides a weight must vanish like r, not like r^2."""
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    shape = g.polygon(corners)
+    steps = np.array([1e-3, 1e-4])
+    for system, order in (("auto", 1.0), ("product", 2.0)):
+        weight = g.weight(shape, shape.part("all"), system)
+        near = weight(*((1.0 - steps)[:, None] * corners[0]).T)
+        assert np.log10(near[0] / near[1]) == pytest.approx(order, abs=0.02)
+
+
 def test_a_carrier_that_touches_only_in_its_part_is_not_trimmed() -> None:
     shape = plate - disk
     (surface,) = shape.part("plate.right").surfaces

@@ -88,7 +88,10 @@ def test_blocks_by_key_equal_the_full_array():
     keep[0, 0] = keep[0, 1] = keep[1, 0] = keep[2, 2] = 1
     C = (C + C.swapaxes(0, 1)) * keep
     blocks = {(0, 0): C[0, 0], (0, 1): C[0, 1], (2, 2): C[2, 2]}
-    assert_close(assemble(space, batch, blocks, {1: b[1]}), brute_force(space, as_points(batch), C, b * [[[0]], [[1]], [[0]]]))
+    assert_close(
+        assemble(space, batch, blocks, {1: b[1]}),
+        brute_force(space, as_points(batch), C, b * [[[0]], [[1]], [[0]]]),
+    )
 
 
 def test_scattered_points_outside_the_tensor_grid():

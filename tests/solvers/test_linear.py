@@ -142,6 +142,12 @@ def test_an_unknown_method_and_shapes_that_do_not_match_are_refused():
         solve(np.zeros((0, 0)), np.zeros(0))
 
 
+def test_a_missing_package_is_named(monkeypatch):
+    monkeypatch.setattr("solvers.linear.direct.Pardiso.available", staticmethod(lambda: False))
+    with pytest.raises(NumericsError, match="pypardiso"):
+        solve(laplacian(3), np.ones(9), "pardiso")
+
+
 def test_too_few_iterations_are_reported():
     hard = diags_array(np.logspace(0, 14, 300)) + laplacian(18)[:300, :300] * 1e-3
     rotation = np.linalg.qr(np.random.default_rng(0).standard_normal((300, 300)))[0]

@@ -1,8 +1,9 @@
-"""WEB-splines: which indices are inner, that polynomials are reproduced, and what is said when the grid is too coarse."""
+"""WEB-splines: which indices are inner, polynomials are reproduced, a grid that is too coarse is refused."""
 
 from __future__ import annotations
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -33,7 +34,8 @@ def monomial_coefficients(degree, power, count):
 def assert_reproduces_polynomials(space):
     """Extending the inner coefficients of a polynomial gives its outer ones."""
     lines = [
-        [monomial_coefficients(space.degree, k, int(n)) for k in range(space.degree + 1)] for n in space.grid.cells
+        [monomial_coefficients(space.degree, k, int(n)) for k in range(space.degree + 1)]
+        for n in space.grid.cells
     ]
     where = relevant(space)
     for powers in itertools.product(range(space.degree + 1), repeat=len(lines)):
@@ -69,7 +71,9 @@ def test_random_polynomials_of_high_degree_are_reproduced(degree, dimension):
     where = relevant(space)
     extended = space.full_coefficients(exact.ravel()[space.free.dofs])
     growth = np.abs(space.free.coefficients).sum(axis=1).max()
-    np.testing.assert_allclose(extended[where], exact[where], atol=1e-10 * growth * np.abs(exact[where]).max())
+    np.testing.assert_allclose(
+        extended[where], exact[where], atol=1e-10 * growth * np.abs(exact[where]).max()
+    )
 
 
 def test_inner_and_outer_indices_by_their_definition():
@@ -108,9 +112,7 @@ def test_no_array_has_smaller_coefficients_than_the_nearest():
         if inner[tuple(slice(k, k + degree + 1) for k in c)].all()
     ]
     nodes = np.arange(degree + 1)
-    basis = [
-        np.prod([Polynomial([-k, 1]) / (i - k) for k in nodes if k != i]) for i in nodes
-    ]
+    basis = [np.prod([Polynomial([-k, 1]) / (i - k) for k in nodes if k != i]) for i in nodes]
 
     def growth(shift):
         return np.prod([sum(abs(b(s)) for b in basis) for s in shift])
@@ -134,6 +136,33 @@ def test_plain_splines_have_an_unknown_for_each_relevant_index():
     assert plain.n_dofs == len(web.free.dofs) + len(web.free.outer)
 
 
+def test_outer_indices_out_of_reach_stay_free():
+    degree = 2
+    state = np.full((14, 5), -1, dtype=np.int8)
+    state[1:4, 1:4] = 1
+    state[4:13, 2] = 0  # a needle without an inner cell
+    space = SplineSpace.build(unit_grid(14, 5), degree, States(state))
+    exposed = np.stack(np.unravel_index(space.free.exposed, space.shape), axis=-1)
+    # inner indices reach 5 in the first direction, extended ones two farther
+    assert exposed[:, 0].min() == 3 + degree + 2 + 1
+    assert set(space.free.exposed) < set(space.free.dofs)
+    assert not set(space.free.dofs) & set(space.free.outer)
+    assert_reproduces_polynomials(space)
+    # the cells whose splines include exposed ones
+    delicate = np.zeros_like(state, dtype=bool)
+    for i, j in exposed:
+        delicate[max(0, i - degree) : i + 1, max(0, j - degree) : j + 1] = True
+    np.testing.assert_array_equal(space.delicate_cells, delicate)
+
+
+def test_which_cells_are_delicate():
+    grid = unit_grid(12, 12)
+    states = ball_states(grid)
+    assert not SplineSpace.build(grid, 3, states).delicate_cells.any()
+    plain = SplineSpace.build(grid, 3, states, basis="b-spline")
+    assert plain.delicate_cells[states.state == 0].all()
+
+
 def test_cut_cells_without_points_carry_no_splines():
     grid = unit_grid(9, 9)
     states = ball_states(grid)
@@ -152,7 +181,7 @@ def test_a_grid_without_an_inner_cell_is_refused_with_a_grid_that_does():
     message = str(caught.value)
     assert "6x6" in message
     assert "basis: b-spline" in message
-    remedy = int(message.split("use grid: ")[1].split(",")[0])
+    remedy = int(re.search(r"use grid: (\d+)", message)[1])
     SplineSpace.build(unit_grid(remedy, remedy), 5, classify(remedy))
     with pytest.raises(DiscretizationError, match="use a finer grid"):
         SplineSpace.build(unit_grid(3, 3), 5, classify(3))

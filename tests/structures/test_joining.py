@@ -118,7 +118,7 @@ def test_joined_data_are_smooth_at_the_corner():
 def test_reconciled_data_keep_their_values_and_agree_around_the_corner():
     omegas = field(weight(SQUARE, LEFT)), field(weight(SQUARE, TOP))
     a, b = two_formulas()
-    a2, b2 = reconcile(SQUARE, (a, b), omegas, np.array([[0.0, 1.0]]))
+    a2, b2, left_over = reconcile(SQUARE, (a, b), omegas, np.array([[0.0, 1.0]]))
     t = np.linspace(0, 1, 11)
     assert partials(a2 - a, (0 * t, t), 0)[0] == pytest.approx(0.0, abs=1e-13)
     assert partials(b2 - b, (t, 0 * t + 1), 0)[0] == pytest.approx(0.0, abs=1e-13)
@@ -126,6 +126,7 @@ def test_reconciled_data_keep_their_values_and_agree_around_the_corner():
     before, after = (np.abs(partials(gap, tuple(inside), 0)).max() for gap in (b - a, b2 - a2))
     assert before > 1.0
     assert after < 1e-6
+    assert left_over < 1e-8
 
 
 def test_manufactured_extension_is_right_on_the_boundary_and_wrong_inside():

@@ -81,7 +81,9 @@ def test_jet_matrix_of_the_dirichlet_structure_is_leibniz(order):
         for column, gamma in enumerate(indices):
             rest = tuple(b - g for b, g in zip(beta, gamma, strict=True))
             inside = min(rest) >= 0
-            factor = np.prod([sympy.binomial(b, g) for b, g in zip(beta, gamma, strict=True)]) if inside else 0
+            factor = (
+                np.prod([sympy.binomial(b, g) for b, g in zip(beta, gamma, strict=True)]) if inside else 0
+            )
             wanted = float(factor) * s[indices.index(rest)] if inside else np.zeros(9)
             assert close(jet.blocks[0][row, column], wanted)
 

@@ -38,7 +38,8 @@ def finish(body: str, as_json: bool, **arguments: Any) -> None:
 
 
 def _report(kind: str, error: RfmError | str, code: int, as_json: bool) -> int:
-    print(f"error: {error}" if not isinstance(error, CaseError) else str(error), file=sys.stderr)
+    text = str(error) if isinstance(error, CaseError) else f"error: {error}"
+    print("".join(c if c.isprintable() or c == "\n" else "?" for c in text), file=sys.stderr)
     if as_json:
         print_json({"status": "error", "exit_code": code, "error": kind, "errors": _rows(error)})
     return code

@@ -1,5 +1,5 @@
 """Meshes fitted to the boundary of a shape, for files and pictures only: nothing is computed on them."""
 
-from rfm.app.fitted.mesh import FittedMesh, fit
+from rfm.app.fitted.mesh import EdgeCells, FittedMesh, fit
 
-__all__ = ["FittedMesh", "fit"]
+__all__ = ["EdgeCells", "FittedMesh", "fit"]

@@ -19,6 +19,7 @@ from rfm.app.fitted.polish import polish
 from rfm.app.fitted.simplices import (
     Flags,
     Ints,
+    Points,
     Signs,
     simplex_signs,
     snapped,
@@ -37,8 +38,8 @@ if TYPE_CHECKING:
 SUBCELLS = {1: 200, 2: 96, 3: 40}
 """Subcells along the longest side of the grid, at least, by dimension."""
 
-FEATURE = 4
-"""Subcells per feature size (radius, half width) of a surface, where the limit below allows it."""
+FEATURE, FLAT_FEATURE = 4, 1
+"""Subcells per feature size (radius, half width) of a curved and of a flat surface, up to the limit below."""
 
 FINEST = {1: 16, 2: 16, 3: 4}
 """Further division of a cell at a small feature, at most, by dimension."""
@@ -91,25 +92,61 @@ class FittedMesh:
         return float(np.abs(volumes(self.points, self.all_simplices)).sum())
 
 
-def fit(domain: Shape, grid: Grid, classification: Classification, subcells: int | None = None) -> FittedMesh:
+@dataclass(frozen=True)
+class EdgeCells:
+    """Cells of a grid sorted for the mesh.
+
+    Attributes
+    ----------
+    whole
+        Cells inside (n, d).
+    edge
+        Cells that the boundary may cut or touch (m, d).
+    active
+        Which surfaces of the shape pass through each of the latter (m, s).
+    """
+
+    whole: Ints
+    edge: Ints
+    active: Flags
+
+    @classmethod
+    def of(cls, classification: Classification) -> EdgeCells:
+        """Sort the cells of a classification."""
+        touching = np.asarray(classification.touching, dtype=bool)
+        inner = (classification.state == 1) & ~touching
+        rim = np.ones_like(inner)
+        rim[(slice(1, -1),) * inner.ndim] = False  # the boundary may lie just beyond the grid
+        given = [np.argwhere(classification.state == 0), np.argwhere(touching)]
+        more = np.argwhere(inner & rim)
+        active = np.asarray(classification.active, dtype=bool)
+        return cls(
+            np.argwhere(inner & ~rim),
+            np.concatenate([*given, more]),
+            np.concatenate([active, np.zeros((len(more), active.shape[1]), dtype=bool)]),
+        )
+
+
+def fit(
+    domain: Shape, grid: Grid, cells: Classification | EdgeCells, subcells: int | None = None
+) -> FittedMesh:
     """Mesh of `domain` on `grid`, fitted to its boundary.
 
     Parameters
     ----------
+    cells
+        The classification of the grid's cells, or those that are wanted.
     subcells
         Subcells along the longest side of the grid, at least (a default by dimension when absent).
     """
+    chosen = cells if isinstance(cells, EdgeCells) else EdgeCells.of(cells)
     dimension = grid.dimension
-    cells = np.asarray(grid.cells, dtype=np.int64)
-    divisions = max(1, math.ceil((subcells or SUBCELLS[dimension]) / int(cells.max())))
-    surfaces = domain.surfaces
-    touching = np.asarray(classification.touching, dtype=bool)
-    whole = np.argwhere((classification.state == 1) & ~touching)
-    edge = np.argwhere((classification.state == 0) | touching)
-    factors = _extra_divisions(grid, surfaces, edge, divisions)
-    lattice = Lattice(grid.lower, grid.spacing, cells, divisions * int(factors.max(initial=1)))
-    corners = [lattice.subcells(whole, divisions)]
-    corners += [lattice.subcells(edge[factors == f], divisions * int(f)) for f in np.unique(factors)]
+    counts = np.asarray(grid.cells, dtype=np.int64)
+    divisions = max(1, math.ceil((subcells or SUBCELLS[dimension]) / int(counts.max())))
+    factors = _extra_divisions(grid, domain.surfaces, chosen, divisions)
+    lattice = Lattice(grid.lower, grid.spacing, counts, divisions * int(factors.max(initial=1)))
+    corners = [lattice.subcells(chosen.whole, divisions)]
+    corners += [lattice.subcells(chosen.edge[factors == f], divisions * int(f)) for f in np.unique(factors)]
     x, numbered = lattice.number(corners)
     inner, candidates = numbered[0], np.concatenate([np.empty((0, 2**dimension), np.int64), *numbered[1:]])
     return _split_candidates(domain, x, inner, candidates, np.asarray(grid.spacing) / divisions)
@@ -117,12 +154,12 @@ def fit(domain: Shape, grid: Grid, classification: Classification, subcells: int
 
 def _split_candidates(domain: Shape, x: Array, inner: Ints, candidates: Ints, sides: Array) -> FittedMesh:
     surfaces, expression = domain.surfaces, domain.expression
-    at_edge = np.zeros(len(x), dtype=bool)
-    at_edge[candidates] = True
-    new = np.cumsum(at_edge) - 1
-    local = new[candidates]
-    values = surface_values(surfaces, x[at_edge])
-    points = snapped(x[at_edge], values, _local_range(values, local))
+    at_edge, local, points = _numbered_points(x, candidates, surfaces)
+    # a sliver thinner than the snapping distance vanishes: the whole subcells behind it get the boundary
+    touched = _spread(at_edge, np.asarray(points.on.any(axis=1)))[inner].any(axis=1)
+    if touched.any():
+        candidates, inner = np.concatenate([candidates, inner[touched]]), inner[~touched]
+        at_edge, local, points = _numbered_points(x, candidates, surfaces)
     signs = simplex_signs(points, local, surfaces)
     inside = state(expression, surfaces, signs)
     # a whole subcell with corners on a surface may have a facet on the boundary: simplices find it
@@ -146,23 +183,37 @@ def _split_candidates(domain: Shape, x: Array, inner: Ints, candidates: Ints, si
     return _compact(x, blocks, simplices, facets, carriers, surfaces)
 
 
-def _extra_divisions(grid: Grid, surfaces: tuple[Surface, ...], cells: Ints, divisions: int) -> Ints:
-    """Power of two by which each cell is divided further because a small feature passes through it."""
-    factors = np.ones(len(cells), dtype=np.int64)
+def _numbered_points(x: Array, blocks: Ints, surfaces: tuple[Surface, ...]) -> tuple[Flags, Ints, Points]:
+    """Corners of `blocks`: which points they are (n,), the blocks in their numbers, the points."""
+    used = np.zeros(len(x), dtype=bool)
+    used[blocks] = True
+    local = (np.cumsum(used) - 1)[blocks]
+    values = surface_values(surfaces, x[used])
+    return used, local, snapped(x[used], values, _local_range(values, local))
+
+
+def _spread(where: Flags, values: Flags) -> Flags:
+    """Flags of all points, given those of the points `where`."""
+    spread = np.zeros(len(where), dtype=bool)
+    spread[where] = values
+    return spread
+
+
+def _extra_divisions(grid: Grid, surfaces: tuple[Surface, ...], cells: EdgeCells, divisions: int) -> Ints:
+    """Power of two by which each edge cell is divided further because of a small feature in it."""
+    factors = np.ones(len(cells.edge), dtype=np.int64)
     side = float(np.max(grid.spacing)) / divisions
     limit = FINEST[grid.dimension]
     lattice = float(np.prod(np.asarray(grid.cells, dtype=float) * divisions))
     while limit > 1 and lattice * float(limit) ** grid.dimension > LARGEST_LATTICE:
         limit //= 2
-    centers = grid.lower + (cells + 0.5) * grid.spacing
-    reach = 0.75 * float(np.linalg.norm(grid.spacing))
-    for surface in surfaces:
-        wanted = FEATURE * side / surface.size if surface.size > 0 else 1.0
-        if wanted <= 1 or limit == 1:
-            continue
-        near = np.abs(surface_values([surface], centers)[:, 0]) <= reach
-        factor = min(limit, 2 ** math.ceil(math.log2(wanted)))
-        factors[near] = np.maximum(factors[near], factor)
+    for column, surface in enumerate(surfaces):
+        per_feature = FLAT_FEATURE if surface.degree == 1 else FEATURE
+        wanted = per_feature * side / surface.size if surface.size > 0 else 1.0
+        if wanted > 1:
+            factor = min(limit, 2 ** math.ceil(math.log2(wanted)))
+            here = cells.active[:, column]
+            factors[here] = np.maximum(factors[here], factor)
     return factors
 
 

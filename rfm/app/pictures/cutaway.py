@@ -6,18 +6,19 @@ boundary facets, and they show the field inside.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rfm.app.fitted import FittedMesh, fit
+from rfm.app.fitted import EdgeCells, FittedMesh, fit
 from rfm.app.pictures.render import Camera, View, look
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array
 
 if TYPE_CHECKING:
     from rfm.app.record import RunRecord
+    from rfm.geometry.shape import Shape
+    from solvers.grid import Grid
 
 AZIMUTH, ELEVATION = -58.0, 28.0
 OCTANT = np.array([1.0, -1.0, 1.0])
@@ -31,8 +32,8 @@ def cut_open(record: RunRecord, subcells: int | None = None) -> FittedMesh:
     grid, domain = record.grid, record.domain
     centre = middle_of(record)
     faces = [half_space(centre, tuple(OCTANT[j] * row)) for j, row in enumerate(np.eye(3))]
-    octant = faces[0] & faces[1] & faces[2]
-    return fit(domain - octant, grid, _cells_on_the_boundary(record, np.array(centre)), subcells)
+    opened = domain - (faces[0] & faces[1] & faces[2])
+    return fit(opened, grid, _boundary_cells(record, np.array(centre), opened), subcells)
 
 
 def middle_of(record: RunRecord) -> tuple[float, float, float]:
@@ -46,9 +47,26 @@ def middle_of(record: RunRecord) -> tuple[float, float, float]:
     return float(x), float(y), float(z)
 
 
-def _cells_on_the_boundary(record: RunRecord, centre: Array) -> Any:
-    """Classification for the shape without the octant, with inner cells left out (state -1)."""
-    grid, old = record.grid, record.classification
+def _boundary_cells(record: RunRecord, centre: Array, opened: Shape) -> EdgeCells:
+    """Cells at the boundary of the opened shape; those inside are left out, nothing of them is seen."""
+    grid, state = record.grid, record.classification.state
+    old = EdgeCells.of(record.classification)
+    nearest, farthest = _along_the_octant(grid, centre)
+    tolerance = 1e-9 * float(np.max(grid.spacing))
+    removed = nearest > tolerance
+    sliced = (state == 1) & ~removed & (farthest >= -tolerance)
+    sliced[tuple(old.edge.T)] = False
+    kept = ~removed[tuple(old.edge.T)]
+    edge = np.concatenate([old.edge[kept], np.argwhere(sliced)])
+    active = np.zeros((len(edge), len(opened.surfaces)), dtype=bool)
+    for column, surface in enumerate(record.domain.surfaces):
+        if surface in opened.surfaces:
+            active[: kept.sum(), opened.surfaces.index(surface)] = old.active[kept, column]
+    return EdgeCells(np.empty((0, 3), dtype=np.int64), edge, active)
+
+
+def _along_the_octant(grid: Grid, centre: Array) -> tuple[Array, Array]:
+    """Smallest and largest of the three coordinates into the octant, least over the axes, per cell."""
     shape = tuple(int(count) for count in grid.cells)
     nearest, farthest = np.full(shape, np.inf), np.full(shape, np.inf)
     for axis in range(3):
@@ -58,12 +76,7 @@ def _cells_on_the_boundary(record: RunRecord, centre: Array) -> Any:
         along[axis] = shape[axis]
         nearest = np.minimum(nearest, ends.min(axis=0).reshape(along))
         farthest = np.minimum(farthest, ends.max(axis=0).reshape(along))
-    tolerance = 1e-9 * float(np.max(grid.spacing))
-    removed = nearest > tolerance
-    sliced = ~removed & (farthest >= -tolerance)
-    at_boundary = (old.state == 0) | np.asarray(old.touching) | ((old.state == 1) & sliced)
-    state = np.where(at_boundary & ~removed, 0, -1).astype(np.int8)
-    return SimpleNamespace(state=state, touching=np.zeros(shape, dtype=bool))
+    return nearest, farthest
 
 
 def view(mesh: FittedMesh, pixels: int) -> View:

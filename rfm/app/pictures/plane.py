@@ -23,7 +23,8 @@ def field_2d(mesh: FittedMesh, values: Array, title: str) -> Figure:
     """Picture of `values` at the points of `mesh` with isolines and the boundary."""
     low, high = limits(values)
     picture = _coloured(mesh, values, title, (low, high), FIELD_MAP)
-    if np.ptp(values[np.isfinite(values)]) > 1e-12 * max(abs(low), abs(high)):
+    finite = values[np.isfinite(values)]
+    if len(finite) and np.ptp(finite) > 1e-12 * max(abs(low), abs(high)):
         levels = np.linspace(low, high, LEVELS + 2)[1:-1]
         picture.axes.tricontour(
             _triangulation(mesh),

@@ -38,7 +38,7 @@ class Strict(BaseModel):
             return given[0]
         listed = ", ".join(names)
         if len(given) == 1:
-            raise fail(f"needs a value for {given[0]}", key=given[0])
+            raise fail(f"needs a value for {given[0]}", key=(given[0],))
         if not given:
             raise fail(f"needs {what}, one of: {listed}")
-        raise fail(f"has {' and '.join(given)}; {what} is only one of them", key=given[1])
+        raise fail(f"has {' and '.join(given)}; {what} is only one of them", key=(given[1],))

@@ -38,9 +38,9 @@ class BoundaryCondition(Strict):
         self.one_of(KIND_NAMES, "a condition")
         for name in ("all", "rest"):
             if name in self.on and len(self.on) > 1:
-                raise fail(f"{name!r} stands alone, it cannot be combined with other parts", key="on")
+                raise fail(f"{name!r} stands alone, it cannot be combined with other parts", value=("on",))
         if "rest" in self.on and self.where is not None:
-            raise fail("'rest' takes what is left and has no where; name the parts instead", key="where")
+            raise fail("'rest' takes what is left and has no where; name the parts instead", key=("where",))
         return self
 
     @property

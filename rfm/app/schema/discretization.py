@@ -54,9 +54,11 @@ class Discretization(Strict):
     @model_validator(mode="after")
     def _one_size(self, info: ValidationInfo) -> Discretization:
         if self.grid is not None and self.spacing is not None:
-            raise fail("grid and spacing exclude each other; remove one (or set it to null)", key="spacing")
+            raise fail(
+                "grid and spacing exclude each other; remove one (or set it to null)", key=("spacing",)
+            )
         if self.box is not None and len(self.box[0]) != (scope_of(info).dimension or len(self.box[0])):
-            raise fail(f"must have corners with {scope_of(info).dimension} coordinates", key="box")
+            raise fail(f"must have corners with {scope_of(info).dimension} coordinates", value=("box",))
         return self
 
 

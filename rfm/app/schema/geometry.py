@@ -40,18 +40,18 @@ class Geometry(Strict):
     @model_validator(mode="after")
     def _names(self, info: ValidationInfo) -> Geometry:
         if not self.shapes:
-            raise fail("needs at least one shape", key="shapes")
+            raise fail("needs at least one shape", key=("shapes",))
         for name in self.shapes:
             wrong = check_name(name, "shape")
             if wrong:
-                raise fail(wrong, key=f"shapes.{name}")
+                raise fail(wrong, key=("shapes", name))
         for name, offset in self.domain.names.items():
             if name not in self.shapes:
                 message = f"unknown shape {name!r}; {nearest(name, self.shapes, 'shapes')}"
-                raise fail(message, key="domain", offset=offset)
+                raise fail(message, value=("domain",), offset=offset)
         for name in self.shapes:
             if name not in self.domain.names:
                 raise fail(
-                    f"the shape {name!r} is not used by the domain; use it or remove it", key=f"shapes.{name}"
+                    f"the shape {name!r} is not used by the domain; use it or remove it", key=("shapes", name)
                 )
         return self

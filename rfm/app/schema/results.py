@@ -117,9 +117,11 @@ class Integral(Strict):
     @model_validator(mode="after")
     def _meaningful(self) -> Integral:
         if DOMAIN in self.on and len(self.on) > 1:
-            raise fail("'domain' stands alone, it cannot be combined with parts of the boundary", key="on")
+            raise fail(
+                "'domain' stands alone, it cannot be combined with parts of the boundary", value=("on",)
+            )
         if "rest" in self.on:
-            raise fail("'rest' belongs to boundary conditions; name the parts", key="on")
+            raise fail("'rest' belongs to boundary conditions; name the parts", value=("on",))
         if DOMAIN in self.on and self.of == "flux":
-            raise fail("a flux passes through a part of the boundary, not the domain", key="of")
+            raise fail("a flux passes through a part of the boundary, not the domain", value=("of",))
         return self

@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 from rfm.app.expressions import RESERVED, Expression, ExpressionError
 from rfm.app.expressions.vocabulary import COORDINATES
 from rfm.app.source import nearest
+from rfm.app.yaml_reader import Path
 
 FROM_EXACT = "from exact"
 
@@ -57,9 +58,22 @@ class Scope:
         return remarks
 
 
-def fail(message: str, *, offset: int | None = None, key: str | None = None) -> PydanticCustomError:
-    """Error of a validator: at character `offset` of the value, or at the key `key` inside it."""
-    return PydanticCustomError("case", "{message}", {"message": message, "offset": offset, "key": key})
+def fail(
+    message: str, *, offset: int | None = None, value: Path | None = None, key: Path | None = None
+) -> PydanticCustomError:
+    """Error of a validator.
+
+    Parameters
+    ----------
+    message
+        What is wrong and the remedy.
+    offset
+        Character of the text where it is wrong.
+    value, key
+        Path from the validated value to the value, or to the key, that is wrong.
+    """
+    context = {"message": message, "offset": offset, "inner": value or key, "at_key": key is not None}
+    return PydanticCustomError("case", "{message}", context)
 
 
 def shown(value: Any) -> str:
@@ -171,8 +185,8 @@ def within(
         return validator(item, info)
     except PydanticCustomError as error:
         context = error.context or {}
-        inner = f".{context['key']}" if context.get("key") else ""
-        raise fail(str(context["message"]), offset=context.get("offset"), key=f"{index}{inner}") from None
+        inner = (index, *(context.get("inner") or ()))
+        raise fail(str(context["message"]), offset=context.get("offset"), value=inner) from None
 
 
 _VECTOR_SCHEMA = WithJsonSchema(
@@ -295,7 +309,7 @@ def choice(*names: str, missing: Mapping[str, str] | None = None) -> Any:
 def _string(value: Any) -> str:
     if isinstance(value, list | dict | bool) or value is None:
         raise fail(f"must be a text, got {shown(value)}")
-    return str(value)
+    return "".join(c if c.isprintable() else " " for c in str(value))
 
 
 Text = Annotated[str, BeforeValidator(_string), WithJsonSchema({"type": "string"})]

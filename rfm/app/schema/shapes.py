@@ -115,7 +115,7 @@ class Block(Kind):
     def _ordered(self) -> Block:
         for axis, low, high in zip("xyz", self.min, self.max, strict=False):
             if high <= low:
-                raise fail(f"must exceed min in {axis}, got {high:g} and min {low:g}", key="max")
+                raise fail(f"must exceed min in {axis}, got {high:g} and min {low:g}", value=("max",))
         return self
 
 
@@ -222,16 +222,17 @@ class Rotation(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _plain_angle(cls, value: Any) -> Any:
-        return value if isinstance(value, dict) else {"angle": value}
+    def _plain_angle(cls, value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, dict):
+            return {"angle": value}
+        if "axis" in value and scope_of(info).dimension == 2:
+            raise fail("a rotation of the plane has no axis, only a center", key=("axis",))
+        return value
 
     @model_validator(mode="after")
     def _axis_in_space(self, info: ValidationInfo) -> Rotation:
-        dimension = scope_of(info).dimension
-        if dimension == 3 and self.axis is None:
+        if scope_of(info).dimension == 3 and self.axis is None:
             raise fail("a rotation in space needs an axis: {angle: 30, axis: [0, 0, 1]}")
-        if dimension == 2 and self.axis is not None:
-            raise fail("a rotation of the plane has no axis, only a center", key="axis")
         return self
 
     @classmethod
@@ -269,7 +270,7 @@ class ShapeSpec(Strict):
         if dimension and kind.dimension and kind.dimension != dimension:
             words = DIMENSION_WORDS
             message = f"{name} is {words[kind.dimension]}, the other shapes are {words[dimension]}"
-            raise fail(message, key=name)
+            raise fail(message, key=(name,))
         return self
 
     @property

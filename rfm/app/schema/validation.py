@@ -22,8 +22,13 @@ def validate(model: type[Model], document: Document, scope: Scope) -> tuple[Mode
     try:
         return model.model_validate(document.data, context=scope), []
     except ValidationError as error:
-        found = error.errors(include_url=False, include_input=False)
-        return None, [_translate(model, document, dict(item)) for item in found]
+        found: list[dict[str, Any]] = [
+            dict(item) for item in error.errors(include_url=False, include_input=False)
+        ]
+        # a key that is unknown is probably the one that is missing
+        mistyped = {item["loc"][:-1] for item in found if item["type"] == "extra_forbidden"}
+        told = [item for item in found if item["type"] != "missing" or item["loc"][:-1] not in mistyped]
+        return None, [_translate(model, document, item) for item in told]
 
 
 def _translate(model: type[BaseModel], document: Document, item: dict[str, Any]) -> CaseError:
@@ -33,12 +38,8 @@ def _translate(model: type[BaseModel], document: Document, item: dict[str, Any])
 
 def _own(model: type[BaseModel], document: Document, item: dict[str, Any]) -> CaseError:
     context = item["ctx"]
-    path = existing(document.data, item["loc"])
-    offset = context["offset"]
-    if context["key"] is None:
-        return document.error(path, context["message"], offset=offset)
-    path = existing(document.data, (*path, *context["key"].split(".")))
-    return document.error(path, context["message"], offset=offset, key=offset is None)
+    path = existing(document.data, (*existing(document.data, item["loc"]), *(context["inner"] or ())))
+    return document.error(path, context["message"], offset=context["offset"], key=context["at_key"])
 
 
 def _missing(model: type[BaseModel], document: Document, item: dict[str, Any]) -> CaseError:
