@@ -88,7 +88,9 @@ def with_mean(solution: Solution) -> Solution:
 
     volume = integrate(background, trial.degree, lambda batch: np.ones(1))
     shift = integrate(background, trial.degree, excess) / volume
-    return replace(solution, trial=replace(trial, coefficients=trial.coefficients - shift))
+    psi = trial.splines[0]  # u = psi here, and the spline with all coefficients 1 is the constant 1
+    shifted = replace(psi, coefficients=psi.coefficients - shift)
+    return replace(solution, trial=replace(trial, splines=(shifted,)))
 
 
 def boundary_errors(problem: Problem, trial: Trial, background: Background) -> dict[str, float]:

@@ -15,7 +15,7 @@ from solvers.linear import LinearSolution
 from solvers.problem import Discretization, Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.web import evaluate as evaluate_spline
-from structures.jet_matrix import evaluate as evaluate_structure
+from structures.jet_matrix import stacked
 from structures.operator import Operator
 
 CHUNK = 100_000
@@ -23,34 +23,67 @@ CHUNK = 100_000
 
 
 @dataclass(frozen=True)
-class Trial:
-    """A solution structure with a chosen spline: all that is needed to evaluate u at a point.
+class Spline:
+    """A spline on the background grid.
 
     Attributes
     ----------
-    structure
-        ``u = u0 + B[psi]``.
     grid, degree
-        Background grid and degree of psi.
+        Background grid and degree.
     coefficients
-        B-spline coefficients of psi on the full grid, shape ``cells + degree``.
+        B-spline coefficients on the full grid, shape ``cells + degree``.
     """
 
-    structure: Operator
     grid: Grid
     degree: int
     coefficients: Array
 
+    def jet(self, batch: TensorBatch | PointBatch, order: int) -> Array:
+        """Partial derivatives up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
+        return evaluate_spline(self.coefficients, self.grid, self.degree, batch, order)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A solution structure with chosen splines: all that is needed to evaluate the field at a point.
+
+    Attributes
+    ----------
+    structure
+        ``u = u0 + B[psi_0, psi_1, ...]``, one operator for each component of u.
+    splines
+        The splines psi_0, psi_1, ...
+    """
+
+    structure: tuple[Operator, ...]
+    splines: tuple[Spline, ...]
+
+    @property
+    def grid(self) -> Grid:
+        """Background grid."""
+        return self.splines[0].grid
+
+    @property
+    def degree(self) -> int:
+        """Degree of the leading spline."""
+        return self.splines[0].degree
+
     def jet(self, batch: TensorBatch | PointBatch, order: int = 1) -> Array:
-        """Partial derivatives of u up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
-        matrix = evaluate_structure(self.structure, batch.points(self.grid), order)
-        psi = evaluate_spline(self.coefficients, self.grid, self.degree, batch, order + self.structure.order)
-        return matrix.apply(psi)
+        """Partial derivatives of u up to `order` at the nodes of `batch`.
+
+        Returns
+        -------
+        ndarray, shape (n_components * n_alpha, n, q)
+            The jets of the components one below the other.
+        """
+        matrix = stacked(self.structure, batch.points(self.grid), order)
+        total = order + matrix.operator_order
+        return matrix.apply({m: spline.jet(batch, total) for m, spline in enumerate(self.splines)})
 
     def at(self, points: ArrayLike, order: int = 1) -> Array:
-        """Partial derivatives of u at arbitrary points (n, d), shape (n_alpha, n).
+        """Partial derivatives of u at arbitrary points (n, d), shape (n_components * n_alpha, n).
 
-        Outside the grid the spline is continued by its nearest polynomial piece.
+        Outside the grid the splines are continued by their nearest polynomial pieces.
 
         Raises
         ------

@@ -170,3 +170,24 @@ def _leibniz(
             factor = prod(map(factorial, beta)) // prod(map(factorial, gamma))
             table.append(((row, column), rows[rest], factor))
     return tuple(table)
+
+
+def stacked(ops: Sequence[Operator], coords: Sequence[Array], order: int) -> JetMatrix:
+    """Return the jet matrix of a vector field: the rows of its components one below the other.
+
+    Row ``c * n_beta + beta`` is d^beta of component c; for a single component this is :func:`evaluate`.
+    """
+    matrices = evaluate_all(ops, coords, order)
+    if len(matrices) == 1:
+        return matrices[0]
+    height = len(multi_indices(ops[0].dimension, order))
+    entries: dict[int, dict[tuple[int, int], Array]] = {}
+    for component, matrix in enumerate(matrices):
+        for psi, found in matrix.entries.items():
+            target = entries.setdefault(psi, {})
+            target.update(
+                {(component * height + beta, alpha): value for (beta, alpha), value in found.items()}
+            )
+    operator_order = max(matrix.operator_order for matrix in matrices)
+    offset = np.concatenate([matrix.offset for matrix in matrices])
+    return JetMatrix(ops[0].dimension, order, operator_order, offset, entries)

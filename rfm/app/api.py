@@ -114,7 +114,7 @@ def load(path: str | Path) -> Run:
     """
     from rfm.app import storage
     from solvers.grid import Grid
-    from solvers.solution import Trial
+    from solvers.solution import Spline, Trial
     from solvers.trial import trial_structure
 
     stored = storage.load(path)
@@ -123,4 +123,4 @@ def load(path: str | Path) -> Run:
     discretization = build_discretization(case, problem.domain)
     grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
     structure = trial_structure(problem, discretization.weight)
-    return Run(case, Trial(structure, grid, stored.degree, stored.coefficients), stored.summary)
+    return Run(case, Trial((structure,), (Spline(grid, stored.degree, stored.coefficients),)), stored.summary)

@@ -147,7 +147,9 @@ def initial_boxes(
         n, d = len(chosen), grid.dimension
         base = signs[rows[chosen]]
         np.put_along_axis(base, slots, np.int8(0), axis=1)
-        yield from _sampled(logic, grid, cells, rows[chosen], np.zeros((n, d)), np.ones((n, d)), slots, base, k)
+        yield from _sampled(
+            logic, grid, cells, rows[chosen], np.zeros((n, d)), np.ones((n, d)), slots, base, k
+        )
 
 
 def _sampled(
@@ -178,13 +180,24 @@ def _sampled(
     if good.any():
         keep = np.flatnonzero(good)
         levels = np.full(len(keep), depth)
-        yield Boxes(rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], levels)
+        yield Boxes(
+            rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], levels
+        )
     bad = np.flatnonzero(~good)
     if bad.size:
         half = 0.5 * width[bad]
         for corner in np.ndindex(*[2] * d):
             yield from _sampled(
-                logic, grid, cells, rows[bad], lower[bad] + half * corner, half, slots[bad], signs[bad], degree, depth + 1
+                logic,
+                grid,
+                cells,
+                rows[bad],
+                lower[bad] + half * corner,
+                half,
+                slots[bad],
+                signs[bad],
+                degree,
+                depth + 1,
             )
 
 
@@ -196,7 +209,9 @@ def children(boxes: Boxes, axes: Iterable[int]) -> Boxes:
         width[:, axis] *= 0.5
         shifted = boxes.lower.copy()
         shifted[:, axis] += width[:, axis]
-        boxes = joined([replace(boxes, width=width, c=left), replace(boxes, lower=shifted, width=width, c=right)])
+        boxes = joined(
+            [replace(boxes, width=width, c=left), replace(boxes, lower=shifted, width=width, c=right)]
+        )
     return replace(boxes, depth=boxes.depth + 1)
 
 
@@ -204,7 +219,9 @@ def joined(groups: list[Boxes]) -> Boxes:
     """Join groups with the same number of slots and the same degree."""
     if len(groups) == 1:
         return groups[0]
-    return Boxes(**{f.name: np.concatenate([getattr(group, f.name) for group in groups]) for f in fields(Boxes)})
+    return Boxes(
+        **{f.name: np.concatenate([getattr(group, f.name) for group in groups]) for f in fields(Boxes)}
+    )
 
 
 def merged(groups: Iterable[Boxes]) -> list[Boxes]:

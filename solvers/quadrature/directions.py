@@ -28,11 +28,14 @@ if TYPE_CHECKING:
     from solvers.quadrature.boxes import Boxes
     from solvers.quadrature.logic import Mask
 
-STEADY = 3.0
+STEADY = 2.5
 """Largest accepted ratio of derivatives along the height direction."""
 
-STEADY_EDGE = 8.0
+STEADY_EDGE = 4.0
 """The same for the traces on faces and for edges."""
+
+PROHIBITIVE = 1e4
+"""Score of what must not be chosen."""
 
 
 SUSPECT = 1
@@ -76,29 +79,30 @@ def choose(boxes: Boxes, heights: int) -> Choice:
     level = 4 * (boxes.degree + 1) * boxes.noise[..., None]
     upright = np.maximum(np.abs(low), np.abs(high)) <= level
     unsteady = _unsteadiness(low, high)
-    steep = np.maximum(np.abs(low), np.abs(high)).sum(axis=2, keepdims=True) / np.maximum(_least(low, high), 1e-300)
-    score = np.where(upright, 1.0, unsteady) + np.where(upright, 0.2, np.minimum(0.02 * steep, 1.0))
-    if heights == 1:
-        score = np.where(upright, np.inf, score)
-    score = score[:, :heights].max(axis=1)
-    limit = STEADY + 1.0
+    steep = np.maximum(np.abs(low), np.abs(high)).sum(axis=2, keepdims=True) / np.maximum(
+        _least(low, high), 1e-300
+    )
+    unsteady = np.where(upright, np.inf if heights == 1 else 1.0, unsteady)[:, :heights].max(axis=1)
+    fits = unsteady <= STEADY
+    # Among directions that fit, prefer steady and then flat surfaces.
+    flatness = np.where(upright, 0.2, np.minimum(0.02 * steep, 1.0))[:, :heights].max(axis=1)
+    score = unsteady + flatness + np.where(fits, 0.0, PROHIBITIVE)
     orders = list(permutations(range(d)))
     rows = np.arange(len(boxes))
     if d == 2:
         best = score.argmin(axis=1)
-        axes = np.asarray(orders)[best]
-        valid = score[rows, best] <= limit
-        return Choice(axes, upright[rows, :, best], valid, np.zeros_like(valid))
+        never = np.zeros(len(boxes), dtype=bool)
+        return Choice(np.asarray(orders)[best], upright[rows, :, best], fits[rows, best], never)
     totals = np.empty((len(boxes), len(orders)))
     for number, order in enumerate(orders):
         k, j, _ = order
         traces = _trace_score(boxes, k, j, heights)
         edges = _edge_score(low, high, upright, level[..., 0], k, j, heights)
-        totals[:, number] = score[:, k] + 1e3 * (score[:, k] > limit) + 0.1 * traces + 0.05 * edges
+        totals[:, number] = score[:, k] + 0.1 * traces + 0.05 * edges
     best = totals.argmin(axis=1)
     axes = np.asarray(orders)[best]
-    good_height = (score.min(axis=1) <= limit) & (boxes.slots.shape[1] == 1)
-    valid = totals[rows, best] < 1e2
+    good_height = fits.any(axis=1) & (boxes.slots.shape[1] == 1)
+    valid = totals[rows, best] < 0.01 * PROHIBITIVE
     # Halve the base in the direction of the best height when only the base is in the way.
     axes = np.where(valid[:, None], axes, np.asarray(orders)[2 * score.argmin(axis=1)])
     return Choice(axes, upright[rows, :, axes[:, 0]], valid, good_height)
@@ -138,13 +142,13 @@ def _trace_score(boxes: Boxes, k: int, j: int, heights: int) -> Array:
         suspect = bad & (boxes.depth >= SUSPECT)[:, None]
         if suspect.any() and boxes.degree > 1:
             bad[suspect] = crosses(face[suspect], noise[suspect])
-        worst = np.maximum(worst, np.where(bad, 1e4, np.where(score > STEADY_EDGE, 0.0, score)).max(axis=1))
+        worst = np.maximum(
+            worst, np.where(bad, PROHIBITIVE, np.where(score > STEADY_EDGE, 0.0, score)).max(axis=1)
+        )
     return worst
 
 
-def _edge_score(
-    low: Array, high: Array, upright: Mask, level: Array, k: int, j: int, heights: int
-) -> Array:
+def _edge_score(low: Array, high: Array, upright: Mask, level: Array, k: int, j: int, heights: int) -> Array:
     """Unsteadiness along ``j`` of the edges between slots, 0 if there are none."""
     m = low.shape[1]
     worst = np.zeros(len(low))
@@ -157,7 +161,7 @@ def _edge_score(
             minor_low, minor_high = first[0] - second[1], first[1] - second[0]
             flat = (minor_low == 0) & (minor_high == 0)
             score = _unsteadiness(minor_low, minor_high)
-            score = np.where(score <= STEADY_EDGE, score, 1e4)
+            score = np.where(score <= STEADY_EDGE, score, PROHIBITIVE)
             worst = np.maximum(worst, np.where(flat, 0.0, score))
     return worst
 

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from solvers.grid import Grid, Integers
 
 
+STEEPEST = 1e-3
+"""Least slope of a surface against its base, relative to its gradient."""
+
+
 @dataclass(frozen=True, eq=False)
 class DomainRules:
     """Quadrature rules of a domain.
@@ -105,7 +109,8 @@ def _boundary_batches(
         chosen = np.flatnonzero(number == i)
         at, gradient = _on_surface(surface, grid, cells[row[chosen]], nodes[chosen], axis[chosen])
         length = np.sqrt((gradient**2).sum(axis=1))
-        slope = np.abs(gradient[np.arange(len(chosen)), axis[chosen]])
+        # The floor only acts in unresolved boxes, where the surface may turn.
+        slope = np.maximum(np.abs(gradient[np.arange(len(chosen)), axis[chosen]]), STEEPEST * length)
         normals = -gradient * (inner_sign[chosen] / length)[:, None]
         rule = PointRule.gather(cells, row[chosen], at, weights[chosen] * length / slope, normals)
         batches[surface] = rule.padded()

@@ -120,7 +120,11 @@ def _steadiness(c: Array, noise: Array) -> Array:
     """Least over greatest derivative along ``x``, 0 where it changes sign or is noise."""
     low, high = bernstein.bounds(bernstein.derivative(c, 1), 2)
     least = np.where(low > 0, low, np.where(high < 0, -high, 0.0))
-    return np.where(least > 4 * c.shape[-1] * noise, least / np.maximum(np.maximum(np.abs(low), np.abs(high)), 1e-300), 0.0)
+    return np.where(
+        least > 4 * c.shape[-1] * noise,
+        least / np.maximum(np.maximum(np.abs(low), np.abs(high)), 1e-300),
+        0.0,
+    )
 
 
 def _polish(c1: Array, c2: Array, y0: Array, x0: Array) -> tuple[Array, Array]:
@@ -145,7 +149,9 @@ def _at(c: Array, x: Array, y: Array) -> Array:
     return np.asarray(np.einsum("nsij,ni,nj->ns", c, bx, by))
 
 
-def triple_points(c: Array, noise: Array, triples: list[tuple[int, int, int]], breaks: list[Breaks]) -> list[Breaks]:
+def triple_points(
+    c: Array, noise: Array, triples: list[tuple[int, int, int]], breaks: list[Breaks]
+) -> list[Breaks]:
     """Return the ``z`` at which three functions of ``c (n, m, K+1, K+1, K+1)`` vanish together.
 
     Along each piece of the ``z`` axis left by ``breaks`` the meeting points of the first two functions are followed;
@@ -198,4 +204,3 @@ def edge_breaks(c: Array, noise: Array, pairs: list[tuple[int, int]]) -> list[Br
             where, z, _ = meetings(face[:, i], face[:, j], noise[:, i], noise[:, j])
             found.append((where, z))
     return found
-

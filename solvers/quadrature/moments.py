@@ -52,12 +52,12 @@ def fold(cut: PointBatch | PointRule, nodes_per_direction: int) -> TensorBatch:
 def _legendre(t: Array, count: int) -> Array:
     """Legendre polynomials on ``[0, 1]``, shape ``(*t.shape, count)``."""
     s = 2.0 * t - 1.0
-    values = np.ones((*t.shape, count))
+    values = np.ones((count, *t.shape))
     if count > 1:
-        values[..., 1] = s
+        values[1] = s
     for k in range(1, count - 1):
-        values[..., k + 1] = ((2 * k + 1) * s * values[..., k] - k * values[..., k - 1]) / (k + 1)
-    return values
+        values[k + 1] = ((2 * k + 1) / (k + 1)) * s * values[k] - (k / (k + 1)) * values[k - 1]
+    return np.ascontiguousarray(np.moveaxis(values, 0, -1))
 
 
 @cache

@@ -110,10 +110,11 @@ def boundary_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[
         following: list[Boxes] = []
         for piece in _chunks(merged(open_boxes), order):
             choice = _choose(piece, 1)
+            # At the greatest depth the best direction has to do.
+            choice.valid[piece.depth >= DEPTH[piece.dimension]] = True
             if choice.valid.any():
                 yield _integrate_boundary(logic, piece, choice, order)
-            last = piece.depth >= DEPTH[piece.dimension]
-            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid & ~last)))
+            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid)))
         pending = merged(following)
 
 

@@ -124,7 +124,11 @@ def _tensor_points(grid: Grid, cells: Integers, lower: Array, width: Array, t: A
         axis[j] = len(t)
         along = corner[:, j, None] + side[:, j, None] * t
         # The far end is computed as the near end of the next cell is, so that both see the same face.
-        along[:, -1] = np.where(t[-1] == 1.0, grid.lower[j] + grid.spacing[j] * (cells[:, j] + lower[:, j] + width[:, j]), along[:, -1])
+        along[:, -1] = np.where(
+            t[-1] == 1.0,
+            grid.lower[j] + grid.spacing[j] * (cells[:, j] + lower[:, j] + width[:, j]),
+            along[:, -1],
+        )
         coords.append(np.broadcast_to(along.reshape(len(cells), *axis), shape))
     return tuple(coords)
 
