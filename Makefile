@@ -9,7 +9,7 @@ STAMP := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null)
 RUN_DIR = runs/$(basename $(notdir $(CASE)))
 
-# One thread a process: the tests run in $(JOBS) processes, and small matrices gain nothing from more.
+# One thread a process: the tests run in $(JOBS) processes, and times of small matrices are steadier.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 export PYVISTA_OFF_SCREEN ?= true
@@ -50,7 +50,7 @@ pair: $(STAMP)  ## write the notebooks anew from their scripts
 	$(BIN)/jupytext --sync notebooks/*.py
 
 bench: $(VENV)/.installed-bench  ## time rfm beside scikit-fem on gmsh meshes
-	$(BIN)/python benchmarks/poisson_vs_scikit_fem.py
+	$(ONE_THREAD) $(BIN)/python benchmarks/poisson_vs_scikit_fem.py
 
 gallery: $(STAMP)  ## render docs/gallery from the cases
 	$(BIN)/python docs/render_gallery.py

@@ -161,17 +161,17 @@ def bore_draw() -> None:
 BENCHMARKS = (
     Benchmark(
         "annulus", 2, annulus_exact, annulus_source, annulus_shape, 0.0, annulus_draw,
-        degrees=(2, 3, 4, 5, 6, 8), grids=(6, 8, 10, 12, 16, 24, 32, 48),
+        degrees=(2, 3, 4, 5, 6, 7, 8), grids=(4, 5, 6, 8, 10, 12, 16, 24, 32, 48),
         sizes=tuple(0.1 / 1.6**i for i in range(8)),
     ),
     Benchmark(
         "plate with three holes", 2, holes_exact, holes_source, holes_shape, FROM_EXACT, holes_draw,
-        degrees=(2, 3, 4, 5, 6, 8), grids=(8, 10, 12, 16, 20, 24, 32, 48),
+        degrees=(2, 3, 4, 5, 6, 7, 8), grids=(3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48),
         sizes=tuple(0.25 / 1.6**i for i in range(8)),
     ),
     Benchmark(
         "ball minus cylinder", 3, bore_exact, bore_source, bore_shape, bore_data, bore_draw,
-        degrees=(2, 3, 4, 5, 6), grids=(6, 8, 10, 12, 14, 16, 20, 24),
+        degrees=(2, 3, 4, 5, 6), grids=(3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24),
         sizes=tuple(0.4 / 1.5**i for i in range(6)),
     ),
 )  # fmt: skip

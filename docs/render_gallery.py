@@ -29,9 +29,15 @@ HEADINGS = {
 }
 
 
+def folders() -> list[str]:
+    """Folders of cases in the order of the page: those with a heading, then the others."""
+    found = sorted(path.name for path in (ROOT / "cases").iterdir() if any(path.glob("*.yaml")))
+    return [*(name for name in HEADINGS if name in found), *(name for name in found if name not in HEADINGS)]
+
+
 def cases() -> list[Path]:
     """Cases in the order of the page."""
-    return [path for folder in HEADINGS for path in sorted((ROOT / "cases" / folder).glob("*.yaml"))]
+    return [path for folder in folders() for path in sorted((ROOT / "cases" / folder).glob("*.yaml"))]
 
 
 def render(case: Path) -> None:
@@ -51,8 +57,8 @@ def render(case: Path) -> None:
 def page() -> str:
     """The page that shows every picture with its case."""
     lines = ["# Gallery", "", "Rendered by the program from the case files: `make gallery`.", ""]
-    for folder, heading in HEADINGS.items():
-        lines += [f"## {heading}", ""]
+    for folder in folders():
+        lines += [f"## {HEADINGS.get(folder, folder.replace('_', ' ').capitalize())}", ""]
         for case in (path for path in cases() if path.parent.name == folder):
             title = YAML(typ="safe").load(case.read_text())["title"]
             source = case.relative_to(ROOT).as_posix()

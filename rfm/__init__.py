@@ -19,7 +19,7 @@ _LAZY = {
     "RfmError": ("rfm.errors", "RfmError"),
 }
 
-__all__ = ["Run", "RfmError", "__version__", "load", "solve"]
+__all__ = ["RfmError", "Run", "__version__", "load", "solve"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Background of a solve: grid over the domain, classified cells, quadrature rules, spline space."""
+"""Background of a solve: grid over the domain, classified cells, quadrature rules, space of psi."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 from rfm.errors import DiscretizationError
 from rfm.geometry.shape import Shape
+from solvers.bases.basis import Space
+from solvers.bases.registry import basis
 from solvers.classify import Classification, classify
 from solvers.grid import Grid
 from solvers.problem import Discretization
@@ -13,7 +15,6 @@ from solvers.quadrature import DomainRules, domain_rules
 from solvers.quadrature.batch import TensorBatch
 from solvers.quadrature.moments import fold
 from solvers.stopwatch import Stopwatch
-from solvers.web import SplineSpace
 
 
 @dataclass(frozen=True)
@@ -29,14 +30,14 @@ class Background:
     folded
         Moment-fitted tensor rule of the cut cells, or None when it is not asked for.
     space
-        Spline space of the unknown.
+        Space of the unknown.
     """
 
     grid: Grid
     classification: Classification
     rules: DomainRules
     folded: TensorBatch | None
-    space: SplineSpace
+    space: Space
 
 
 def background_grid(domain: Shape, discretization: Discretization) -> Grid:
@@ -47,17 +48,8 @@ def background_grid(domain: Shape, discretization: Discretization) -> Grid:
     return Grid.cover(box, discretization.grid)
 
 
-def tensor_nodes(degree: int) -> int:
-    """Nodes a direction of the tensor rule that replaces a cut cell's rule.
-
-    Measured on a smooth solution in an annulus: 2p reproduce the full rule to two digits for p > 4, 2p + 2 are
-    needed below (docs/architecture.md).
-    """
-    return 2 * degree if degree > 4 else 2 * degree + 2
-
-
 def prepare(domain: Shape, discretization: Discretization, watch: Stopwatch) -> Background:
-    """Classify the cells, integrate the cut ones and build the spline space.
+    """Classify the cells, integrate the cut ones and build the space.
 
     Raises
     ------
@@ -66,23 +58,25 @@ def prepare(domain: Shape, discretization: Discretization, watch: Stopwatch) -> 
     DiscretizationError
         The grid is too coarse for the degree; the message names a grid that would do.
     """
-    degree = discretization.degree
+    degree, chosen = discretization.degree, basis(discretization.basis)
+    chosen.require(degree, domain.dimension)
     with watch.phase("geometry"):
         grid = background_grid(domain, discretization)
         classification = classify(domain, grid)
     with watch.phase("quadrature"):
-        points = discretization.quadrature_points or degree + 3
-        rules = domain_rules(domain, classification, inner=degree + 1, cut=points)
-        folded = fold(rules.cut, tensor_nodes(degree)) if discretization.moment_fitting else None
+        points = chosen.points(degree, int(max(grid.cells)))
+        rules = domain_rules(
+            domain, classification, inner=points.inner, cut=discretization.quadrature_points or points.cut
+        )
+        fitted = points.folded if discretization.moment_fitting else None
+        folded = fold(rules.cut, fitted) if fitted is not None else None
     with watch.phase("assembly"):
 
         def finer(cells: int) -> Classification:
             trial = replace(discretization, grid=cells, spacing=None)
             return classify(domain, background_grid(domain, trial))
 
-        space = SplineSpace.build(
-            grid, degree, classification, basis=discretization.basis, cut_cells=rules.cut.cells, finer=finer
-        )
+        space = chosen.build(grid, degree, classification, cut_cells=rules.cut.cells, finer=finer)
     if space.n_dofs == 0:
         raise DiscretizationError("no spline of the grid meets the domain: refine `grid`")
     return Background(grid, classification, rules, folded, space)

@@ -2,25 +2,34 @@ r"""Assembly for several unknown splines: a matrix of blocks, one for each pair 
 
 A vector field has one spline for each component, a structure with a collar correction has a second spline of lower
 degree near the boundary.  With :math:`\psi_m` in the space m, the quadratic functional of
-:mod:`solvers.equations.density` gives :math:`A_{mm'}` and :math:`f_m`; pairs of one space are assembled by
-:class:`solvers.assembly.Assembler`, pairs of different spaces by :class:`solvers.cross_assembly.CrossAssembler`.
+:mod:`solvers.equations.density` gives :math:`A_{mm'}` and :math:`f_m`; pairs of one space are assembled by what
+:meth:`solvers.bases.basis.Space.assembler` gives, pairs of different spaces by
+:class:`solvers.cross_assembly.CrossAssembler`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rfm.calculus.types import Array
-from solvers.assembly import Assembler
+from rfm.errors import DiscretizationError
+from solvers.bases.basis import Accumulator, Psi, Space
 from solvers.cross_assembly import CrossAssembler
 from solvers.equations.density import Blocks, Loads
+from solvers.problem import SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.web import SplineSpace
 
 Key = tuple[int, int]
+
+LARGE = 2000
+"""Unknowns above which a dense matrix of blocks is made sparse, when it is."""
+MOSTLY_ZERO = 0.4
+"""Part of the entries up to which a matrix counts as sparse."""
 
 
 class BlockAssembler:
@@ -34,11 +43,11 @@ class BlockAssembler:
         The form is symmetric; blocks are then given for ``(m, alpha) <= (m', alpha')`` only.
     """
 
-    def __init__(self, spaces: Sequence[SplineSpace], symmetric: bool = True) -> None:
+    def __init__(self, spaces: Sequence[Space], symmetric: bool = True) -> None:
         self.spaces, self.symmetric = tuple(spaces), symmetric
-        self._pairs: dict[Key, Assembler | CrossAssembler] = {}
+        self._pairs: dict[Key, Accumulator] = {}
         for m, space in enumerate(self.spaces):
-            self._pairs[m, m] = Assembler(space, symmetric)
+            self._pairs[m, m] = space.assembler(symmetric)
 
     def add(self, batch: TensorBatch | PointBatch, blocks: Blocks, loads: Loads) -> None:
         """Add the integrals over `batch`; see :func:`solvers.equations.density.pull_back` for the keys."""
@@ -68,23 +77,55 @@ class BlockAssembler:
                     grid[n][m] = finished[m, n][0].T
         return joined(grid, [space.n_dofs for space in self.spaces]), load
 
-    def split(self, unknowns: Array) -> list[Array]:
-        """Full coefficient array of each spline."""
+    def functions(self, unknowns: Array) -> tuple[Psi, ...]:
+        """The function of each spline."""
         ends = np.cumsum([space.n_dofs for space in self.spaces])
         parts = np.split(unknowns, ends[:-1])
-        return [space.full_coefficients(part) for space, part in zip(self.spaces, parts, strict=True)]
+        return tuple(space.function(part) for space, part in zip(self.spaces, parts, strict=True))
 
-    def _pair(self, m: int, other: int) -> Assembler | CrossAssembler:
+    def constant(self) -> Array:
+        """Unknowns of splines that are all 1."""
+        return np.concatenate([space.constant for space in self.spaces])
+
+    def options(self, options: SolverOptions) -> SolverOptions:
+        """Options that let the linear solver choose among unknowns that depend on each other."""
+        return replace(options, redundant=any(space.redundant for space in self.spaces))
+
+    def _pair(self, m: int, other: int) -> Accumulator:
         if (m, other) not in self._pairs:
             first, second = self.spaces[m], self.spaces[other]
-            pair = Assembler(first, symmetric=False) if first is second else CrossAssembler(first, second)
-            self._pairs[m, other] = pair
+            self._pairs[m, other] = (
+                first.assembler(symmetric=False) if first is second else between(first, second)
+            )
         return self._pairs[m, other]
 
 
+def between(first: Space, second: Space) -> Accumulator:
+    """Assembler of a form between two different spaces.
+
+    Raises
+    ------
+    DiscretizationError
+        They are not both spaces of splines.
+    """
+    if isinstance(first, SplineSpace) and isinstance(second, SplineSpace):
+        return CrossAssembler(first, second)
+    raise DiscretizationError(
+        "a structure with a second spline in a collar (conditions: exact) needs basis: web-spline or b-spline"
+    )
+
+
 def joined(grid: list[list[Any]], sizes: Sequence[int]) -> Any:
-    """One matrix of a square grid of blocks (None: zero); an array when all blocks are arrays."""
-    if all(block is None or isinstance(block, np.ndarray) for row in grid for block in row):
+    """One matrix of a square grid of blocks (None: zero); an array when all blocks are arrays.
+
+    A matrix too large for a dense factorisation to be cheap becomes sparse all the same, when it is mostly zero.
+    """
+    arrays = [block for row in grid for block in row if block is not None]
+    dense = all(isinstance(block, np.ndarray) for block in arrays)
+    if dense and sum(sizes) > LARGE:
+        filled_part = sum(np.count_nonzero(block) for block in arrays) / sum(sizes) ** 2
+        dense = filled_part > MOSTLY_ZERO
+    if dense:
         filled = [
             [np.zeros((sizes[i], sizes[j])) if block is None else block for j, block in enumerate(row)]
             for i, row in enumerate(grid)

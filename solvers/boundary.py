@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rfm.calculus.jets import partials
-from rfm.calculus.types import Array, Field
+from rfm.calculus.types import Array
 from rfm.geometry.surface import Surface
 from solvers.data import values
 from solvers.equations.density import QuadraticDensity
+from solvers.equations.rows import Equality, apply
 from solvers.grid import Grid
-from solvers.problem import FROM_EXACT, Condition, Dirichlet, FromExact, Neumann, Problem, Robin
+from solvers.problem import Condition, Problem
 from solvers.quadrature.batch import PointBatch
 
 
@@ -48,77 +48,30 @@ def outward(batch: PointBatch) -> Array:
     return batch.normals
 
 
-def exact_flux(problem: Problem, coords: Sequence[Array], normals: Array) -> Array:
-    """Conormal flux of the exact solution."""
-    gradient = partials(require_exact(problem), coords, 1)[1:]
-    return problem.equation.conormal_flux(coords, gradient, normals)
-
-
-def exact_values(problem: Problem, coords: Sequence[Array]) -> Array:
-    """Values of the exact solution."""
-    result: Array = partials(require_exact(problem), coords, 0)[0]
-    return result
-
-
-def require_exact(problem: Problem) -> Field:
-    """Return the exact solution of `problem`.
-
-    Raises
-    ------
-    ValueError
-        Data are taken from an exact solution that the problem does not have.
-    """
-    if problem.exact is None:
-        raise ValueError("boundary data 'from exact' need an exact solution")
-    return problem.exact
-
-
-def datum(name: str, value: Field | float | FromExact, coords: Sequence[Array]) -> Array | float:
-    """Values of a boundary datum that is not taken from the exact solution."""
-    if isinstance(value, FromExact):
-        raise TypeError(f"the {name} is taken from the exact solution")
-    return values(name, value, coords)
-
-
-def right_hand_side(
-    problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array
-) -> Array | float:
-    """The datum g of a condition at boundary points, with `from exact` resolved."""
-    match condition:
-        case Dirichlet(value=value):
-            if value is FROM_EXACT:
-                return exact_values(problem, coords)
-            return datum("Dirichlet value", value, coords)
-        case Neumann(flux=flux):
-            return exact_flux(problem, coords, normals) if flux is FROM_EXACT else datum("flux", flux, coords)
-        case Robin(coefficient=coefficient, value=value):
-            if value is FROM_EXACT:
-                h = datum("Robin coefficient", coefficient, coords)
-                return exact_flux(problem, coords, normals) + h * exact_values(problem, coords)
-            return datum("Robin value", value, coords)
+def flux_values(problem: Problem, coords: Sequence[Array], normals: Array, jet: Array) -> Array:
+    """Flux of a field with the given jet of order `flux_order`; of a vector one row for each component."""
+    values = [apply(row, jet) for row in problem.equation.flux(coords, normals)]
+    return values[0] if len(values) == 1 else np.stack(values)
 
 
 def natural_density(
     problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array
-) -> QuadraticDensity:
-    """Boundary energy ``1/2 h u^2 - g u`` of a Neumann (h = 0) or Robin condition."""
-    g = right_hand_side(problem, condition, coords, normals)
-    hessian: dict[tuple[int, int], Array | float] = {}
-    if isinstance(condition, Robin):
-        hessian[0, 0] = datum("Robin coefficient", condition.coefficient, coords)
-    return QuadraticDensity(hessian, {0: g})
+) -> QuadraticDensity | None:
+    """Boundary energy of a condition; None when it is essential and has none."""
+    return problem.equation.natural_density(condition, coords, normals, problem.exact)
+
+
+def condition_rows(
+    problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array
+) -> list[Equality]:
+    """What a condition asks at boundary points: rows in the jet of `flux_order` and their values."""
+    return problem.equation.condition_rows(condition, coords, normals, problem.exact)
 
 
 def residual(
     problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array, jet: Array
 ) -> Array:
-    """How far the field with the jet (u, grad u) is from satisfying `condition` at boundary points."""
-    g = right_hand_side(problem, condition, coords, normals)
-    if isinstance(condition, Dirichlet):
-        left = jet[0]
-    else:
-        left = problem.equation.conormal_flux(coords, jet[1:], normals)
-        if isinstance(condition, Robin):
-            left = left + datum("Robin coefficient", condition.coefficient, coords) * jet[0]
-    difference: Array = np.abs(left - g)
-    return difference
+    """How far the field with the given jet (of order `flux_order`) is from satisfying `condition`."""
+    rows = condition_rows(problem, condition, coords, normals)
+    worst: Array = np.max([np.abs(apply(row, jet) - right) for row, right in rows], axis=0)
+    return worst

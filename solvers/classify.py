@@ -18,7 +18,7 @@ from rfm.calculus.intervals import Interval
 from rfm.errors import GeometryError
 from solvers.quadrature.boxes import children, initial_boxes, strict_signs
 from solvers.quadrature.logic import Logic, Mask, Signs
-from solvers.quadrature.sampling import EPS, corner_points, values_at
+from solvers.quadrature.sampling import corner_points, degree_of, relative_noise, values_at
 
 if TYPE_CHECKING:
     from rfm.geometry.shape import Shape
@@ -119,7 +119,7 @@ def _gather(logic: Logic, state: Signs, touching: Mask, numbers: list[Integers],
 
 
 def _numbers(grid: Grid, cells: Integers) -> Integers:
-    return np.ravel_multi_index(tuple(cells.T), grid.shape).astype(np.int64)
+    return np.asarray(np.ravel_multi_index(tuple(cells.T), grid.shape), dtype=np.int64)
 
 
 def _candidates(logic: Logic, grid: Grid, state: Signs) -> Iterator[Integers]:
@@ -163,7 +163,7 @@ def _interval_signs(logic: Logic, grid: Grid, first: Integers, size: Integers) -
             bound = surface.function(*coords)
             lo, hi = (bound.lo, bound.hi) if isinstance(bound, Interval) else (bound, bound)
             # A surface within rounding of a face is left to the test that knows about touching.
-            margin = 64.0 * EPS * np.maximum(np.abs(lo), np.abs(hi))
+            margin = 2.0 * relative_noise(grid, degree_of(surface)) * np.maximum(np.abs(lo), np.abs(hi))
             signs[:, i] = np.where(lo > margin, 1, np.where(hi < -margin, -1, 0))
     return signs
 

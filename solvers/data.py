@@ -49,3 +49,16 @@ def require_finite(name: str, datum: object, coords: Sequence[Array], result: Ar
     first = np.unravel_index(int(np.argmax(bad)), result.shape)
     point = tuple(float(np.broadcast_to(c, result.shape)[first]) for c in coords)
     raise DataError(name, datum, point, float(result[first]))
+
+
+def as_field(datum: Field | float) -> Field:
+    """Return `datum` as a field, numbers as constants."""
+    if callable(datum):
+        return datum
+    number = float(datum)
+
+    def constant(*_: object) -> float:
+        return number
+
+    constant.source = repr(number)  # type: ignore[attr-defined]
+    return constant

@@ -1,41 +1,136 @@
-"""What a method of solution is: which quadratic functional the spline makes smallest.
+"""What a method of solution is: which functional or form determines the splines, and how it becomes a system.
 
-Ritz takes the energy, least squares the squared residual; the rest (background, structure, assembly, linear
-algebra) is common to all, in :mod:`solvers.pipeline`.
+Ritz takes the energy, least squares the squared residual, Galerkin the weak form, collocation the residual at points.
+Everything else (background, structure, quadrature) is common to all, in :mod:`solvers.pipeline`; the methods are
+siblings that share this interface, listed by name in :mod:`solvers.methods`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 from rfm.calculus.types import Array
-from solvers.equations.density import QuadraticDensity
-from solvers.problem import Condition, Problem
+from rfm.errors import DiscretizationError
+from solvers.bases.basis import Basis
+from solvers.bases.registry import basis
+from solvers.equations.density import Density
+from solvers.flux_conditions import has_flux
+from solvers.problem import Condition, Discretization, Problem, SolverOptions
+from solvers.stopwatch import Stopwatch
+from solvers.systems import System
+
+if TYPE_CHECKING:
+    from solvers.equations.equation import Equation
+    from solvers.pipeline import Assembly
 
 
 class Method(Protocol):
-    """Densities of a functional in the domain and on its boundary."""
+    """A method: densities in the domain and on its boundary, and the system made of them."""
 
     @property
     def name(self) -> str:
         """Name in a case file."""
         ...
 
+    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+        """Names of the linear solvers that suit its systems, besides ``auto``."""
+        ...
+
+    def refusal(self, equation: Equation) -> str | None:
+        """Why the method does not suit the equation and which one does; None when it suits."""
+        ...
+
     def order(self, problem: Problem) -> int:
-        """Highest derivative of u in the domain's density."""
+        """Highest derivative of u in the domain's density, and least degree of the splines."""
         ...
 
     def boundary_order(self, problem: Problem) -> int:
         """Highest derivative of u in the boundary's density."""
         ...
 
-    def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> QuadraticDensity:
+    def symmetric(self, problem: Problem) -> bool:
+        """Whether the matrix is symmetric."""
+        ...
+
+    def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> Density:
         """Density at points of the domain; `check` refuses data that are not finite."""
         ...
 
     def boundary(
         self, problem: Problem, condition: Condition, coords: Sequence[Array], normals: Array, spacing: float
-    ) -> QuadraticDensity | None:
+    ) -> Density | None:
         """Density of a natural condition at points of the boundary, None when it has none."""
         ...
+
+    def system(self, assembly: Assembly, watch: Stopwatch) -> System:
+        """Equations for the unknowns."""
+        ...
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """What does not combine, and why: `of` is ``method``, ``degree``, ``linear`` or ``basis``."""
+
+    of: str
+    message: str
+
+
+def refused(
+    method: Method, problem: Problem, discretization: Discretization, options: SolverOptions
+) -> Refusal | None:
+    """Why a method does not suit an equation, a degree or a linear solver, and the nearest that does."""
+    why = method.refusal(problem.equation)
+    if why is not None:
+        return Refusal("method", f"the method {method.name} does not suit the equation: {why}")
+    order, added = method.order(problem), 0
+    if discretization.conditions == "exact" and any(has_flux(c) for c in problem.conditions):
+        added = 1  # the structures of flux conditions contain a derivative of the spline
+    space = basis(discretization.basis)
+    if space.smoothness(discretization.degree) < order + added:
+        return Refusal("degree", too_rough(method, space, order, added, discretization.degree))
+    if discretization.conditions == "exact" and not space.local:
+        return Refusal(
+            "basis",
+            f"conditions: exact puts a second spline into collars, which basis: {discretization.basis} does not have: "
+            "use basis: web-spline, or conditions: natural",
+        )
+    suitable = method.linear_solvers(problem.equation)
+    if options.linear not in ("auto", *suitable):
+        return Refusal(
+            "linear",
+            f"the linear solver {options.linear} does not suit the method {method.name}: choose auto or one of "
+            f"{', '.join(suitable)}",
+        )
+    return None
+
+
+def too_rough(method: Method, space: Basis, order: int, added: int, degree: int) -> str:
+    """Message of a basis whose functions have too few derivatives."""
+    needs = f"the method {method.name} needs derivatives of order {order} of u"
+    if added:
+        needs += f", hence with conditions: exact of order {order + added} of the spline"
+    least = least_degree(space, order + added)
+    if least is None:
+        return f"{needs}; basis: {space.name} has none of any degree: use basis: web-spline"
+    return f"{needs}: use degree {least} or more of basis: {space.name}, got {degree}"
+
+
+def least_degree(space: Basis, order: int) -> int | None:
+    """Lowest degree of a basis at which its functions have derivatives of some order, None when no degree does."""
+    lowest, highest = space.degrees
+    return next((p for p in range(lowest, highest + 1) if space.smoothness(p) >= order), None)
+
+
+def require(method: Method, problem: Problem, discretization: Discretization, options: SolverOptions) -> None:
+    """Refuse what does not combine.
+
+    Raises
+    ------
+    DiscretizationError
+        See :func:`refused`.
+    """
+    refusal = refused(method, problem, discretization, options)
+    if refusal is not None:
+        raise DiscretizationError(refusal.message)

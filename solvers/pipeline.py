@@ -3,37 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rfm.calculus.types import Array
-from rfm.errors import NumericsError
 from solvers.background import Background, prepare
+from solvers.bases.basis import Space
 from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
 from solvers.data import require_finite
-from solvers.equations.density import pull_back
-from solvers.linear import LinearSolution
-from solvers.linear import solve as solve_linear
-from solvers.method import Method
-from solvers.norms import with_mean
-from solvers.problem import Datum, Dirichlet, Discretization, Problem, Robin, SolverOptions
+from solvers.equations.density import Density
+from solvers.kernel import excess, kernel_of
+from solvers.linear.condition import condition_number
+from solvers.method import Method, require
+from solvers.modes import mode_of
+from solvers.posed import require_posed
+from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.setting import Region
 from solvers.smoothness import rough_cells
-from solvers.solution import Solution, Spline, Trial
+from solvers.solution import Solution, Trial
 from solvers.stopwatch import Listener, Stopwatch
-from solvers.trial import trial_structure
-from solvers.web import SplineSpace
-from structures.jet_matrix import stacked
+from solvers.systems import EnergySystem
+from solvers.threads import on_one_thread
+from structures.jet_matrix import JetMatrix, stacked
 from structures.operator import Operator
 
 CHUNK = 150_000
 """Quadrature points evaluated at a time: keeps the working set of a chunk near 100 MB."""
 
 
+@on_one_thread
 def solve(
     problem: Problem,
     discretization: Discretization,
@@ -53,23 +56,27 @@ def solve(
         The linear system could not be solved, or the data of a pure Neumann problem are incompatible.
     """
     options = options or SolverOptions()
+    require_posed(problem)
+    require(method, problem, discretization, options)
+    mode = mode_of(discretization)
+    mode.require(discretization, method.order(problem))
     watch = Stopwatch(listener)
     background = prepare(problem.domain, discretization, watch)
     with watch.phase("assembly"):
-        structure = (trial_structure(problem, discretization.weight),)
-        spaces = (background.space,)
-        assembler = BlockAssembler(spaces)
-        Assembly(assembler, problem, method, structure, background).run(watch)
-        matrix, load = assembler.finish()
+        setting = mode.setting(problem, discretization, background)
+        assembler = BlockAssembler(setting.spaces, method.symmetric(problem))
+        assembly = Assembly(assembler, problem, method, setting.structure, background, setting.regions)
+        system = method.system(assembly, watch)
     with watch.phase("solve"):
-        singular = constants_are_free(problem)
-        linear = minimise(matrix, load, options, singular)
-        splines = tuple(
-            Spline(background.grid, space.degree, full)
-            for space, full in zip(spaces, assembler.split(linear.x), strict=True)
-        )
-    solution = Solution(problem, discretization, background, Trial(structure, splines), linear, watch.seconds)
-    return with_mean(solution) if singular else solution
+        kernel = kernel_of(problem, background, setting.spaces)
+        linear = system.solve(assembler.options(options), kernel)
+        if setting.overlapping and kernel is None and isinstance(system, EnergySystem):
+            linear = replace(linear, condition=condition_number(system.matrix, system.load))
+        trial = Trial(setting.structure, assembler.functions(linear.x))
+        if kernel is not None:
+            fixed = linear.x - kernel.vectors @ excess(problem, trial, background, kernel)
+            trial = Trial(setting.structure, assembler.functions(fixed))
+    return Solution(problem, discretization, background, trial, linear, watch.seconds)
 
 
 @dataclass(frozen=True)
@@ -81,9 +88,22 @@ class Assembly:
     method: Method
     structure: tuple[Operator, ...]
     background: Background
+    regions: tuple[Region, ...] = ()
+    """Parts of the domain with a structure and rules of their own; by default all is one."""
 
-    def run(self, watch: Stopwatch) -> None:
-        """Add everything."""
+    def run(self, watch: Stopwatch) -> tuple[Any, Array]:
+        """Add everything; return the matrix and the load."""
+        for part in self.parts():
+            part.add_region(watch)
+        return self.assembler.finish()
+
+    def parts(self) -> list[Assembly]:
+        """Return the same for each region."""
+        regions = self.regions or (Region(self.structure, self.background),)
+        return [replace(self, structure=r.structure, background=r.background, regions=()) for r in regions]
+
+    def add_region(self, watch: Stopwatch) -> None:
+        """Add the functional over the rules of the background."""
         rules, folded = self.background.rules, self.background.folded
         total = len(rules.inner.cells) + len(rules.cut.cells)
         done = 0
@@ -108,7 +128,7 @@ class Assembly:
         density = self.method.volume(self.problem, coords)
         jet = stacked(self.structure, coords, self.method.order(self.problem))
         require_finite("solution structure", self.structure, coords, jet.offset)
-        self.assembler.add(batch, *pull_back(density, jet, batch.weights))
+        self.assembler.add(batch, *density.pull_back(jet, batch.weights))
 
     def add_folded(self, batch: TensorBatch) -> NDArray[np.bool_]:
         """Add the functional over the cut cells of a moment-fitted `batch`, except where it cannot be trusted.
@@ -126,7 +146,7 @@ class Assembly:
         with np.errstate(all="ignore"):
             density = self.method.volume(self.problem, coords, check=False)
             jet = stacked(self.structure, coords, self.method.order(self.problem))
-            blocks, loads = pull_back(density, jet, np.ones_like(batch.weights))
+            blocks, loads = density.pull_back(jet, np.ones_like(batch.weights))
             rough = rough_cells([*blocks.values(), *loads.values()], batch.nodes, len(coords))
         rough |= delicate(self.assembler.spaces)[tuple(batch.cells.T)]
         for array in (*blocks.values(), *loads.values()):
@@ -137,18 +157,25 @@ class Assembly:
 
     def add_boundary(self) -> None:
         """Add the natural conditions."""
+        for batch, density, jet in self.boundary_densities():
+            self.assembler.add(batch, *density.pull_back(jet, batch.weights))
+
+    def boundary_densities(self) -> Iterator[tuple[PointBatch, Density, JetMatrix]]:
+        """Rule, density and jet matrix of each natural condition on each surface."""
         grid = self.background.grid
         order = self.method.boundary_order(self.problem)
-        for condition, batch in boundary_batches(self.problem, self.background.rules.boundary, grid):
+        spacing = float(np.max(grid.spacing))
+        natural = replace(
+            self.problem, conditions=tuple(c for c in self.problem.conditions if not isinstance(c, Dirichlet))
+        )
+        for condition, batch in boundary_batches(natural, self.background.rules.boundary, grid):
             coords = batch.points(grid)
-            spacing = float(np.max(grid.spacing))
             density = self.method.boundary(self.problem, condition, coords, outward(batch), spacing)
             if density is not None:
-                jet = stacked(self.structure, coords, order)
-                self.assembler.add(batch, *pull_back(density, jet, batch.weights))
+                yield batch, density, stacked(self.structure, coords, order)
 
 
-def delicate(spaces: Sequence[SplineSpace]) -> NDArray[np.bool_]:
+def delicate(spaces: Sequence[Space]) -> NDArray[np.bool_]:
     """Cells on which some space has a spline with only a sliver of its support in the domain."""
     distinct = {id(space): space for space in spaces}.values()
     return np.asarray(np.logical_or.reduce([space.delicate_cells for space in distinct]))
@@ -160,43 +187,3 @@ def cut_chunks(folded: TensorBatch) -> Iterator[tuple[TensorBatch, slice]]:
     for start in range(0, len(folded.cells), step):
         where = slice(start, min(start + step, len(folded.cells)))
         yield folded.take(where), where
-
-
-def has_essential(problem: Problem) -> bool:
-    """Whether a Dirichlet condition is among the conditions."""
-    return any(isinstance(condition, Dirichlet) for condition in problem.conditions)
-
-
-def constants_are_free(problem: Problem) -> bool:
-    """Whether adding a constant to u leaves the energy form unchanged (pure Neumann, no reaction)."""
-    fixed = has_essential(problem) or not is_zero(problem.equation.reaction)
-    return not fixed and all(
-        is_zero(condition.coefficient) for condition in problem.conditions if isinstance(condition, Robin)
-    )
-
-
-def is_zero(datum: Datum) -> bool:
-    """Whether `datum` is the number zero; a field counts as not zero."""
-    return not callable(datum) and float(datum) == 0.0
-
-
-def minimise(matrix: Any, load: Array, options: SolverOptions, singular: bool) -> LinearSolution:
-    """Solve for the minimum; when constants are free, on their complement.
-
-    Raises
-    ------
-    NumericsError
-        Constants are free but the load does not vanish on them.
-    """
-    if not singular:
-        return solve_linear(matrix, load, method=options.linear, tolerance=options.tolerance)
-    imbalance = float(load.sum())
-    if abs(imbalance) > 1e-6 * float(abs(load).sum()):
-        raise NumericsError(
-            "the problem has only flux conditions, and its data are incompatible: the integrals of the source "
-            f"and of the boundary flux must add up to zero, but their sum is {imbalance:.6g}; correct them, or fix "
-            "the solution somewhere with a Dirichlet or Robin condition"
-        )
-    one = np.ones(len(load))
-    balanced = load - imbalance / len(load)
-    return solve_linear(matrix, balanced, method=options.linear, tolerance=options.tolerance, null_space=one)

@@ -3,9 +3,20 @@ r"""A boundary value problem and how it is to be discretised, as plain values.
 The problem is to find :math:`u` on the domain :math:`\Omega` with an equation inside and, on parts of
 the boundary with outward normal :math:`n` and conductivity :math:`k`,
 
-* Dirichlet  :math:`u = g`,
+* Dirichlet  :math:`u = g`, of a vector component by component,
 * Neumann    :math:`k\,\partial u/\partial n = g` (the conormal flux),
-* Robin      :math:`k\,\partial u/\partial n + h u = g`.
+* Robin      :math:`k\,\partial u/\partial n + h u = g`;
+
+of an elastic body with the stress :math:`\sigma`
+
+* Traction   :math:`\sigma n = t`,   Pressure  :math:`\sigma n = -p n`,
+* Slip       :math:`u \cdot n = 0` and no tangential traction;
+
+of a plate with bending moment M and Kirchhoff's shear force V (:mod:`solvers.equations.plate`)
+
+* Clamped    :math:`w = g`, :math:`\partial w/\partial n = s`,
+* SimplySupported  :math:`w = g`, :math:`M = m`,
+* Free       :math:`M = m`, :math:`V = q`.
 """
 
 from __future__ import annotations
@@ -20,7 +31,8 @@ if TYPE_CHECKING:
     from rfm.geometry.box import Box
     from rfm.geometry.part import Part
     from rfm.geometry.shape import Shape
-    from solvers.equations.poisson import Poisson
+    from solvers.equations.equation import Equation
+    from solvers.exact import Exact
 
 
 class FromExact(Enum):
@@ -34,13 +46,20 @@ FROM_EXACT = FromExact.FROM_EXACT
 Datum = Field | float
 """A number, or a field called as ``f(x, y)`` or ``f(x, y, z)``."""
 
+VectorDatum = Datum | FromExact | tuple[Datum | FromExact | None, ...]
+"""A datum, or one for each component of a vector; None leaves a component free."""
+
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """``u = value`` on ``part``: essential, satisfied exactly by the solution structure."""
+    """``u = value`` on ``part``: essential, satisfied exactly by the solution structure.
+
+    Of a vector, `value` is a tuple with one entry for each component, None where the component is free of
+    displacement and of traction (a roller); a single value holds for all components.
+    """
 
     part: Part
-    value: Datum | FromExact = 0.0
+    value: VectorDatum = 0.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +79,58 @@ class Robin:
     value: Datum | FromExact = 0.0
 
 
-Condition = Dirichlet | Neumann | Robin
+@dataclass(frozen=True)
+class Traction:
+    """``sigma n = traction`` on ``part``, n outward: natural."""
+
+    part: Part
+    traction: tuple[Datum, ...] | FromExact
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """``sigma n = -pressure n`` on ``part``, n outward: natural."""
+
+    part: Part
+    pressure: Datum = 0.0
+
+
+@dataclass(frozen=True)
+class Slip:
+    """``u . n = 0`` on ``part``, essential; the tangential part of `traction` (None: zero) is natural."""
+
+    part: Part
+    traction: tuple[Datum, ...] | FromExact | None = None
+
+
+@dataclass(frozen=True)
+class Clamped:
+    """Edge of a plate with ``w = value`` and outward slope ``dw/dn = slope``: both essential."""
+
+    part: Part
+    value: Datum | FromExact = 0.0
+    slope: Datum | FromExact = 0.0
+
+
+@dataclass(frozen=True)
+class SimplySupported:
+    """Edge of a plate with ``w = value``, essential, and bending moment ``M = moment``, natural."""
+
+    part: Part
+    value: Datum | FromExact = 0.0
+    moment: Datum | FromExact = 0.0
+
+
+@dataclass(frozen=True)
+class Free:
+    """Edge of a plate with bending moment ``M = moment`` and shear force ``V = shear``: both natural."""
+
+    part: Part
+    moment: Datum | FromExact = 0.0
+    shear: Datum | FromExact = 0.0
+
+
+Condition = Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free
 
 
 @dataclass(frozen=True)
@@ -68,9 +138,9 @@ class Problem:
     """A domain, an equation on it, conditions on its boundary and, if known, the exact solution."""
 
     domain: Shape
-    equation: Poisson
+    equation: Equation
     conditions: tuple[Condition, ...]
-    exact: Field | None = None
+    exact: Exact | None = None
 
 
 @dataclass(frozen=True)
@@ -80,7 +150,7 @@ class Discretization:
     Attributes
     ----------
     degree
-        Degree p of the splines, 1 to 8.
+        Degree p as the basis counts it: of splines 1 to 8, of polynomials 1 to 40, highest frequency, smoothness.
     grid
         Cells along the longest side of the box; ignored when `spacing` is given.
     spacing
@@ -88,13 +158,15 @@ class Discretization:
     box
         Background box; the bounding box of the domain when absent.
     basis
-        Name of the spline basis, ``web-spline`` or ``b-spline``.
+        Name of the basis, one of :data:`solvers.bases.registry.BASES`.
     weight
         Name of the system that builds the weight (see :func:`rfm.geometry.weight.weight`).
     quadrature_points
         Gauss points a direction in cut cells; p + 3 when absent.
     moment_fitting
         Fold the rule of each cut cell into a tensor rule of the whole cell.
+    conditions
+        ``natural`` leaves flux conditions to the functional, ``exact`` builds them into the solution structure.
     """
 
     degree: int = 3
@@ -105,11 +177,23 @@ class Discretization:
     weight: str = "auto"
     quadrature_points: int | None = None
     moment_fitting: bool = True
+    conditions: str = "natural"
 
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """The linear solver by name (``auto`` chooses and says why) and its relative tolerance."""
+    """How linear systems are solved.
+
+    Attributes
+    ----------
+    linear
+        The linear solver by name; ``auto`` chooses and says why.
+    tolerance
+        Relative residual at which iterative solvers stop.
+    redundant
+        The unknowns may depend on each other to rounding (set by the basis).
+    """
 
     linear: str = "auto"
     tolerance: float = 1e-12
+    redundant: bool = False

@@ -17,16 +17,30 @@ from rfm.calculus.types import Array
 from solvers import pipeline
 from solvers.boundary import natural_density
 from solvers.equations.density import QuadraticDensity
+from solvers.equations.equation import Equation
+from solvers.linear.choice import METHODS
 from solvers.problem import Condition, Dirichlet, Discretization, Problem, SolverOptions
 from solvers.solution import Solution
-from solvers.stopwatch import Listener
+from solvers.stopwatch import Listener, Stopwatch
+from solvers.systems import EnergySystem
 
 
 @dataclass(frozen=True)
 class Ritz:
-    """Least energy (:class:`solvers.method.Method`)."""
+    """Least energy of all fields of the structure.
+
+    See :class:`solvers.method.Method`.
+    """
 
     name: str = "ritz"
+
+    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+        """Those for symmetric matrices."""
+        return tuple(METHODS)
+
+    def refusal(self, equation: Equation) -> str | None:
+        """Only an equation with an energy will do."""
+        return None if equation.symmetric else "with advection there is no energy; choose method: galerkin"
 
     def order(self, problem: Problem) -> int:
         """Highest derivative in the energy."""
@@ -35,6 +49,10 @@ class Ritz:
     def boundary_order(self, problem: Problem) -> int:
         """Fluxes do work on the values of u."""
         return problem.equation.order - 1
+
+    def symmetric(self, problem: Problem) -> bool:
+        """Second derivatives of an energy are."""
+        return True
 
     def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> QuadraticDensity:
         """Energy density of the equation."""
@@ -52,6 +70,10 @@ class Ritz:
         if isinstance(condition, Dirichlet):
             return None
         return natural_density(problem, condition, coords, normals)
+
+    def system(self, assembly: pipeline.Assembly, watch: Stopwatch) -> EnergySystem:
+        """Matrix and load of the energy."""
+        return EnergySystem(*assembly.run(watch))
 
 
 def solve(

@@ -10,37 +10,19 @@ from numpy.typing import ArrayLike
 
 from rfm.calculus.types import Array
 from solvers.background import Background
+from solvers.bases.basis import Psi
+from solvers.bases.spline import Spline
 from solvers.grid import Grid
 from solvers.linear import LinearSolution
 from solvers.problem import Discretization, Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
-from solvers.web import evaluate as evaluate_spline
 from structures.jet_matrix import stacked
 from structures.operator import Operator
 
+__all__ = ["Solution", "Spline", "Trial"]
+
 CHUNK = 100_000
 """Points evaluated at a time."""
-
-
-@dataclass(frozen=True)
-class Spline:
-    """A spline on the background grid.
-
-    Attributes
-    ----------
-    grid, degree
-        Background grid and degree.
-    coefficients
-        B-spline coefficients on the full grid, shape ``cells + degree``.
-    """
-
-    grid: Grid
-    degree: int
-    coefficients: Array
-
-    def jet(self, batch: TensorBatch | PointBatch, order: int) -> Array:
-        """Partial derivatives up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
-        return evaluate_spline(self.coefficients, self.grid, self.degree, batch, order)
 
 
 @dataclass(frozen=True)
@@ -52,11 +34,11 @@ class Trial:
     structure
         ``u = u0 + B[psi_0, psi_1, ...]``, one operator for each component of u.
     splines
-        The splines psi_0, psi_1, ...
+        The functions psi_0, psi_1, ..., splines or of another basis.
     """
 
     structure: tuple[Operator, ...]
-    splines: tuple[Spline, ...]
+    splines: tuple[Psi, ...]
 
     @property
     def grid(self) -> Grid:
@@ -98,6 +80,17 @@ class Trial:
         joined: Array = np.concatenate([self._scattered(where[s : s + CHUNK], order) for s in starts], axis=1)
         return joined
 
+    def values(self, points: ArrayLike) -> Array:
+        """Values of u at points (n, d), shape (n,); of a vector (n, n_components)."""
+        values: Array = self.at(points, 0)
+        return values[0] if len(self.structure) == 1 else values.T
+
+    def gradient(self, points: ArrayLike) -> Array:
+        """Gradient of u at points (n, d), shape (n, d); of a vector (n, n_components, d), du_c/dx_j."""
+        jets = self.at(points, 1)
+        gradient: Array = jets.reshape(len(self.structure), -1, jets.shape[1])[:, 1:].transpose(2, 0, 1)
+        return gradient[:, 0] if len(self.structure) == 1 else gradient
+
     def _scattered(self, points: Array, order: int) -> Array:
         cells, unit = self.grid.locate(points)
         batch = PointBatch(cells, unit[:, None, :], np.ones((len(points), 1)))
@@ -132,14 +125,12 @@ class Solution:
     @property
     def dofs(self) -> int:
         """Number of unknowns."""
-        return self.background.space.n_dofs
+        return len(self.linear.x)
 
     def u(self, points: ArrayLike) -> Array:
-        """Values of u at points (n, d), shape (n,)."""
-        values: Array = self.trial.at(points, 0)[0]
-        return values
+        """Values of u at points (n, d), shape (n,); of a vector (n, n_components)."""
+        return self.trial.values(points)
 
     def gradient(self, points: ArrayLike) -> Array:
-        """Gradient of u at points (n, d), shape (n, d)."""
-        gradient: Array = self.trial.at(points, 1)[1:].T
-        return gradient
+        """Gradient of u at points (n, d), shape (n, d); of a vector (n, n_components, d)."""
+        return self.trial.gradient(points)

@@ -4,55 +4,33 @@ from __future__ import annotations
 
 from rfm.calculus.types import Field
 from rfm.geometry.part import Part
-from rfm.geometry.weight import weight as build_weight
-from solvers.boundary import require_exact
-from solvers.problem import Dirichlet, FromExact, Problem
-from structures.dirichlet import dirichlet
-from structures.manufactured import manufactured_extension
+from solvers.data import as_field
+from solvers.essential import essential_structure, prescribed
+from solvers.exact import components_of, required
+from solvers.problem import FromExact, Problem
 from structures.operator import Operator
+
+__all__ = ["as_field", "prescribed_values", "trial_structure"]
 
 
 def trial_structure(problem: Problem, weight: str) -> Operator:
-    """Structure ``u = u0 + w psi`` of the Dirichlet conditions of `problem` (``u = psi`` without any).
-
-    Data taken from the exact solution are extended as ``exact + w q`` with a fixed generic q: the solver is
-    told the values on the boundary, never the answer inside.
-    """
-    data: list[tuple[Part, Field]] = []
-    manufactured: list[Part] = []
-    for condition in problem.conditions:
-        if isinstance(condition, Dirichlet):
-            if isinstance(condition.value, FromExact):
-                manufactured.append(condition.part)
-            else:
-                data.append((condition.part, as_field(condition.value)))
-    if manufactured:
-        part = manufactured[0]
-        for other in manufactured[1:]:
-            part = part | other
-        vanishing = build_weight(problem.domain, part, weight)
-        extended = manufactured_extension(require_exact(problem), vanishing, problem.domain.box)
-        data += [(part, extended) for part in manufactured]
-    return dirichlet(problem.domain, data, weight=weight)
+    """Structure of a scalar problem; see :func:`solvers.essential.essential_structure`."""
+    (operator,) = essential_structure(problem, weight)
+    return operator
 
 
-def prescribed_values(problem: Problem) -> list[tuple[Part, Field]]:
-    """Dirichlet parts with their values, those from the exact solution included."""
+def prescribed_values(problem: Problem) -> list[list[tuple[Part, Field]]]:
+    """For each component, the parts where its value is prescribed with the value, exact ones included."""
+    count = problem.equation.components(problem.domain.dimension)
     return [
-        (c.part, require_exact(problem) if isinstance(c.value, FromExact) else as_field(c.value))
-        for c in problem.conditions
-        if isinstance(c, Dirichlet)
+        [
+            (
+                piece.part,
+                components_of(required(problem.exact))[c]
+                if isinstance(piece.value, FromExact)
+                else as_field(piece.value),
+            )
+            for piece in prescribed(problem, c, count)
+        ]
+        for c in range(count)
     ]
-
-
-def as_field(datum: Field | float) -> Field:
-    """Return `datum` as a field, numbers as constants."""
-    if callable(datum):
-        return datum
-    number = float(datum)
-
-    def constant(*_: object) -> float:
-        return number
-
-    constant.source = repr(number)  # type: ignore[attr-defined]
-    return constant

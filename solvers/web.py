@@ -28,12 +28,14 @@ from numpy.typing import NDArray
 
 from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
+from solvers.bases.spline import Spline
 from solvers.evaluation import evaluate
 from solvers.extension import Extension, Mask, extend, full_arrays, no_extension, touched
 from solvers.grid import Grid
 from solvers.splines import require_degree
 
 if TYPE_CHECKING:
+    from solvers.assembly import Assembler
     from solvers.classify import Classification
 
 __all__ = ["BASES", "SplineSpace", "evaluate"]
@@ -111,6 +113,33 @@ class SplineSpace:
     def n_dofs(self) -> int:
         """Number of unknowns."""
         return len(self.free.dofs)
+
+    redundant = False
+
+    @property
+    def constant(self) -> Array:
+        """Unknowns of the function 1."""
+        return np.ones(self.n_dofs)
+
+    def affine(self, shift: float, slope: Array) -> Array:
+        """Unknowns of ``shift + slope . x``: its values at the middles of the supports (Marsden's identity)."""
+        value = np.full(self.shape, shift)
+        for axis, size in enumerate(self.shape):
+            middle = np.arange(size) + (1 - self.degree) / 2
+            position = self.grid.lower[axis] + self.grid.spacing[axis] * middle
+            value += slope[axis] * position.reshape((-1,) + (1,) * (len(self.shape) - 1 - axis))
+        unknowns: Array = value.ravel()[self.free.dofs]
+        return unknowns
+
+    def assembler(self, symmetric: bool = True) -> Assembler:
+        """Sparse assembler of a form of splines of this space."""
+        from solvers.assembly import Assembler
+
+        return Assembler(self, symmetric)
+
+    def function(self, unknowns: Array) -> Spline:
+        """The spline with the given unknowns."""
+        return Spline(self.grid, self.degree, self.full_coefficients(unknowns))
 
     @cached_property
     def delicate_cells(self) -> Mask:

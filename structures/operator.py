@@ -145,6 +145,12 @@ def known(dimension: int, value: FieldExpr | Field | float) -> Operator:
     return Operator(dimension, field(value), ())
 
 
+def renumbered(op: Operator, indices: Mapping[int, int]) -> Operator:
+    """Return the operator with psi_m called psi_{indices[m]}; indices that are not mentioned stay."""
+    terms = (Term(indices.get(term.psi, term.psi), term.alpha, term.coefficient) for term in op.terms)
+    return _collect(op.dimension, op.offset, tuple(terms))
+
+
 def differentiated(op: Operator, axis: int) -> Operator:
     """Return du/dx_axis by Leibniz' rule: (a d^alpha psi)' = a' d^alpha psi + a (d^alpha psi)'."""
     step = unit(op.dimension, axis)

@@ -1,1 +1,1 @@
-
+"""The program: case files, the command, runs, reports, the Python entry."""

@@ -44,14 +44,12 @@ class Run:
     result: Result | None = None
 
     def u(self, points: ArrayLike) -> Array:
-        """Values of u at points (n, d), shape (n,); meaningful inside the domain."""
-        values: Array = self.trial.at(points, 0)[0]
-        return values
+        """Values of u at points (n, d), shape (n,), of a vector (n, d); meaningful inside the domain."""
+        return self.trial.values(points)
 
     def gradient(self, points: ArrayLike) -> Array:
-        """Gradient of u at points (n, d), shape (n, d)."""
-        gradient: Array = self.trial.at(points, 1)[1:].T
-        return gradient
+        """Gradient of u at points (n, d), shape (n, d), of a vector (n, d, d)."""
+        return self.trial.gradient(points)
 
     def plot(self) -> Figure:
         """Picture of the field as a matplotlib figure."""
@@ -113,14 +111,20 @@ def load(path: str | Path) -> Run:
         The file is no solution of this program.
     """
     from rfm.app import storage
+    from solvers.bases.registry import basis
     from solvers.grid import Grid
-    from solvers.solution import Spline, Trial
-    from solvers.trial import trial_structure
+    from solvers.modes import mode_of
+    from solvers.solution import Trial
 
     stored = storage.load(path)
     case = load_case(stored.case)
     problem = build_problem(case)
     discretization = build_discretization(case, problem.domain)
     grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
-    structure = trial_structure(problem, discretization.weight)
-    return Run(case, Trial((structure,), (Spline(grid, stored.degree, stored.coefficients),)), stored.summary)
+    structure = mode_of(discretization).structure(problem, discretization, grid)
+    family = basis(stored.basis)
+    splines = (
+        family.load(grid, stored.degree, stored.coefficients),
+        *(family.load(grid, other.degree, other.coefficients) for other in stored.more),
+    )
+    return Run(case, Trial(structure, splines), stored.summary)

@@ -8,6 +8,7 @@ import numpy as np
 
 from rfm.app.case import Case
 from rfm.app.expressions import Expression
+from rfm.app.schema.conditions import leaves
 from rfm.app.yaml_reader import Path
 from rfm.errors import CaseError, DataError, DiscretizationError, GeometryError, RfmError, StructureError
 
@@ -43,21 +44,14 @@ def _data_error(case: Case, error: DataError) -> RfmError:
 
 def _data(case: Case) -> Iterator[tuple[str, Path, Expression]]:
     """Every expression of the problem: what it is, where it stands."""
-    equation = case.equation.poisson
-    for name in ("source", "conductivity", "reaction"):
-        yield from _if_expression(name, ("equation", "poisson", name), getattr(equation, name))
+    for path, value in leaves(("equation", case.equation.name), case.equation.data):
+        if isinstance(value, Expression):
+            yield str(path[2]), path, value
     for i, condition in enumerate(case.boundary_conditions):
-        path: Path = ("boundary_conditions", i, condition.kind)
-        if condition.robin is not None:
-            yield from _if_expression(
-                "Robin coefficient", (*path, "coefficient"), condition.robin.coefficient
-            )
-            yield from _if_expression("Robin value", (*path, "value"), condition.robin.value)
-        else:
-            yield from _if_expression(f"{condition.kind} value", path, getattr(condition, condition.kind))
-    yield from _if_expression("exact solution", ("exact",), case.exact)
-
-
-def _if_expression(name: str, path: Path, value: object) -> Iterator[tuple[str, Path, Expression]]:
-    if isinstance(value, Expression):
-        yield name, path, value
+        for below, value in condition.data():
+            if isinstance(value, Expression):
+                name = " ".join(part for part in below if isinstance(part, str))
+                yield name if len(below) > 1 else f"{name} value", ("boundary_conditions", i, *below), value
+    for path, value in leaves(("exact",), case.exact):
+        if isinstance(value, Expression):
+            yield "exact solution", path, value

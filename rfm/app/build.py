@@ -10,21 +10,18 @@ import numpy as np
 from rfm.app.blame import located
 from rfm.app.case import Case
 from rfm.app.covering import assign_parts
-from rfm.app.expressions import Expression
 from rfm.app.expressions.nodes import polynomial_degree
+from rfm.app.formulation import build_condition, build_equation, build_exact
 from rfm.app.schema.discretization import DEFAULT_GRID
 from rfm.app.schema.results import DOMAIN
-from rfm.app.schema.scalars import FROM_EXACT
 from rfm.app.schema.shapes import Function, Rotation, ShapeSpec
 from rfm.app.yaml_reader import Path
-from rfm.calculus.types import Field
 from rfm.errors import CaseError, RfmError
 
 if TYPE_CHECKING:
     from rfm.geometry.box import Box
-    from rfm.geometry.part import Part
     from rfm.geometry.shape import Shape
-    from solvers.problem import Condition, Discretization, FromExact, Problem, SolverOptions
+    from solvers.problem import Discretization, Problem, SolverOptions
 
 __all__ = ["build_discretization", "build_domain", "build_problem", "given_box", "located", "solver_options"]
 
@@ -40,22 +37,14 @@ def build_problem(case: Case) -> Problem:
     CaseError
         A shape cannot be built, the domain is empty or unbounded, or the conditions do not fit the boundary.
     """
-    from solvers.equations.poisson import Poisson
     from solvers.problem import Problem
 
     domain = build_domain(case)
-    data = case.equation.poisson
-    path: Path = ("equation", "poisson")
-    equation = Poisson(
-        source=None if data.source == FROM_EXACT else _datum(case, data.source, (*path, "source")),
-        conductivity=_datum(case, data.conductivity, (*path, "conductivity")),
-        reaction=_datum(case, data.reaction, (*path, "reaction")),
-    )
+    equation = build_equation(case)
     parts = assign_parts(case, domain)
     _check_results(case, domain)
-    conditions = tuple(_condition(case, i, part) for i, part in enumerate(parts))
-    exact = case.exact.field(case.dimension, ("exact",)) if case.exact is not None else None
-    return Problem(domain, equation, conditions, exact)
+    conditions = tuple(build_condition(case, i, part) for i, part in enumerate(parts))
+    return Problem(domain, equation, conditions, build_exact(case))
 
 
 def build_domain(case: Case) -> Shape:
@@ -94,6 +83,7 @@ def build_discretization(case: Case, domain: Shape) -> Discretization:
         weight=given.weight,
         quadrature_points=given.quadrature_points,
         moment_fitting=given.moment_fitting,
+        conditions=case.solver.conditions,
     )
 
 
@@ -160,35 +150,6 @@ def _argument_error(case: Case, path: Path, arguments: dict[str, Any], message: 
     if len(arguments) == 1:
         return case.error((*path, *arguments), message)
     return case.error(path, message, key=True)
-
-
-def _datum(case: Case, expression: Expression | str, path: Path) -> Field | float:
-    """Number where the expression is constant, else its field."""
-    if isinstance(expression, str):
-        raise TypeError(f"{expression!r} is no expression")
-    constant = expression.constant
-    return float(constant) if constant is not None else expression.field(case.dimension, path)
-
-
-def _value(case: Case, expression: Expression | str, path: Path) -> Field | float | FromExact:
-    from solvers.problem import FROM_EXACT as TAKEN_FROM_EXACT
-
-    return TAKEN_FROM_EXACT if expression == FROM_EXACT else _datum(case, expression, path)
-
-
-def _condition(case: Case, index: int, part: Part) -> Condition:
-    from solvers.problem import Dirichlet, Neumann, Robin
-
-    given = case.boundary_conditions[index]
-    path: Path = ("boundary_conditions", index)
-    if given.robin is not None:
-        coefficient = _datum(case, given.robin.coefficient, (*path, "robin", "coefficient"))
-        return Robin(part, coefficient, _value(case, given.robin.value, (*path, "robin", "value")))
-    if given.neumann is not None:
-        return Neumann(part, _value(case, given.neumann, (*path, "neumann")))
-    if given.dirichlet is not None:
-        return Dirichlet(part, _value(case, given.dirichlet, (*path, "dirichlet")))
-    raise case.error(path, "has no condition")
 
 
 def _check_results(case: Case, domain: Shape) -> None:

@@ -14,13 +14,14 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, WithJs
 
 from rfm.app.schema.base import Strict
 from rfm.app.schema.conditions import BoundaryCondition
-from rfm.app.schema.discretization import Discretization, Solver
+from rfm.app.schema.discretization import BASES, Discretization, Solver
 from rfm.app.schema.equation import Equation
 from rfm.app.schema.geometry import Geometry
-from rfm.app.schema.results import Expectation, Integral, Study
-from rfm.app.schema.scalars import FROM_EXACT, Datum, Text, Vector, check_name, fail, scope_of, shown
+from rfm.app.schema.results import UNKNOWNS, Expectation, Integral, Study
+from rfm.app.schema.scalars import Text, Vector, check_name, fail, scope_of, shown
 from rfm.app.schema.scope import scope_of_document
 from rfm.app.schema.validation import validate
+from rfm.app.schema.vectors import FieldData
 from rfm.app.source import Document, from_file, from_mapping, nearest, raise_all
 from rfm.app.yaml_reader import Path
 from rfm.errors import CaseError
@@ -31,6 +32,7 @@ SUMMARY_KEYS = (
     "relative_l2_error",
     "relative_h1_error",
     "relative_max_error",
+    "relative_energy_error",
     "boundary_error",
     "dofs",
     "energy",
@@ -42,7 +44,10 @@ SUMMARY_KEYS = (
 )
 """Keys of a summary that can be expected; those with several values take a second name, as in ``probes.A.u``."""
 
-ERROR_KEYS = SUMMARY_KEYS[:3]
+ERROR_KEYS = SUMMARY_KEYS[:4]
+
+LOWEST_DEGREES = {"plate": 2}
+"""Least degree of the splines, where an equation has one."""
 
 
 def _version(value: Any) -> int:
@@ -70,7 +75,9 @@ class Case(Strict):
     geometry: Geometry
     equation: Equation
     boundary_conditions: list[BoundaryCondition]
-    exact: Datum | None = Field(default=None, description="exact solution: turns on the error norms")
+    exact: FieldData | None = Field(
+        default=None, description="exact solution, a list for a vector: turns on the error norms"
+    )
     discretization: Discretization = Field(default_factory=Discretization)
     solver: Solver = Field(default_factory=Solver)
     expect: dict[str, Expectation] = Field(default_factory=dict, description="limits for the summary")
@@ -84,20 +91,44 @@ class Case(Strict):
 
     @model_validator(mode="after")
     def _consistent(self) -> Case:
+        self._check_conditions()
         self._check_exact()
         self._check_names()
+        self._check_integrands()
+        self._check_study()
         for key in self.expect:
             self._check_expected(key)
         return self
 
+    def _check_conditions(self) -> None:
+        name, vector = self.equation.name, self.is_vector
+        for i, condition in enumerate(self.boundary_conditions):
+            refusal = condition.refusal(name)
+            if refusal is not None:
+                raise fail(refusal, key=("boundary_conditions", i, condition.kind))
+            if isinstance(condition.dirichlet, tuple) and not vector:
+                path: Path = ("boundary_conditions", i, "dirichlet")
+                raise fail(f"the unknown of {name} is a scalar: give one value, not a list", value=path)
+        lowest = LOWEST_DEGREES.get(name, 1)
+        if self.discretization.degree < lowest:
+            raise fail(
+                f"the equation {name} needs second derivatives of the splines: use degree {lowest} or more "
+                f"({lowest + 1} is a good choice), got {self.discretization.degree}",
+                value=("discretization", "degree"),
+            )
+
     def _check_exact(self) -> None:
         if self.exact is not None:
+            if isinstance(self.exact, tuple) != self.is_vector:
+                wanted = "a list with one entry for each coordinate" if self.is_vector else "one expression"
+                raise fail(f"must be {wanted} for the equation {self.equation.name}", value=("exact",))
             return
-        if self.equation.poisson.source == FROM_EXACT:
-            raise fail("'from exact' needs the key exact", value=("equation", "poisson", "source"))
+        if self.equation.exact_key is not None:
+            path: Path = ("equation", self.equation.name, self.equation.exact_key)
+            raise fail("'from exact' needs the key exact", value=path)
         for i, condition in enumerate(self.boundary_conditions):
-            path: Path = ("boundary_conditions", i, condition.kind)
             if condition.from_exact:
+                path = ("boundary_conditions", i, condition.kind)
                 raise fail("'from exact' needs the key exact", value=path)
         for key in self.expect:
             if key in ERROR_KEYS:
@@ -109,6 +140,25 @@ class Case(Strict):
                 wrong = check_name(name, what)
                 if wrong:
                     raise fail(wrong, key=(section, name))
+
+    def _check_integrands(self) -> None:
+        for name, integral in self.integrals.items():
+            if isinstance(integral.of, str):
+                continue
+            known = self.unknowns
+            for wrong in sorted(integral.of.uses & set(UNKNOWNS) - set(known)):
+                message = (
+                    f"{wrong!r} has no value here; the unknown of {self.equation.name} is {', '.join(known)}"
+                )
+                raise fail(message, value=("integrals", name, "of"))
+
+    def _check_study(self) -> None:
+        basis = self.discretization.basis
+        lowest, highest = BASES[basis]
+        degrees = self.study.degree or () if self.study is not None else ()
+        for wrong in (degree for degree in degrees if not lowest <= degree <= highest):
+            message = f"must be from {lowest} to {highest}, got {wrong} (basis: {basis})"
+            raise fail(message, value=("study", "degree"))
 
     def _check_expected(self, key: str) -> None:
         section, _, rest = key.partition(".")
@@ -122,6 +172,18 @@ class Case(Strict):
             if name not in known:
                 message = f"unknown result {key!r}; {nearest(name, known, section)}"
                 raise fail(message, key=("expect", key))
+
+    @property
+    def is_vector(self) -> bool:
+        """Whether the unknown is a vector."""
+        return self.equation.elasticity is not None
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """Names of the unknown in an integrand."""
+        if self.equation.elasticity is None:
+            return UNKNOWNS[:1]
+        return UNKNOWNS[1:] if self.equation.elasticity.model == "three_dimensional" else UNKNOWNS[1:3]
 
     @property
     def dimension(self) -> int:

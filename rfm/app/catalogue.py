@@ -10,9 +10,9 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from rfm.app.expressions import CONSTANTS, FUNCTIONS
-from rfm.app.schema.conditions import BoundaryCondition
-from rfm.app.schema.discretization import BASES, LINEAR_SOLVERS
-from rfm.app.schema.equation import Equation
+from rfm.app.schema.conditions import KINDS_OF
+from rfm.app.schema.discretization import LINEAR_SOLVERS
+from rfm.app.schema.equation import MODELS
 from rfm.app.schema.shapes import KINDS
 
 CASES = Path("cases")
@@ -51,31 +51,23 @@ def functions() -> list[tuple[str, ...]]:
 
 def equations() -> list[tuple[str, ...]]:
     """Equations with their data and conditions."""
-    conditions = ", ".join(n for n in BoundaryCondition.model_fields if n not in ("on", "where"))
-    rows: list[tuple[str, ...]] = []
-    for name, field in Equation.model_fields.items():
-        model = field.annotation
-        if isinstance(model, type) and issubclass(model, BaseModel):
-            rows.append((name, keys(model), conditions, first_line(model)))
-    return rows
-
-
-def structures() -> list[tuple[str, ...]]:
-    """Solution structures: how the conditions are carried."""
     return [
-        ("dirichlet", "u = g + w psi", "exact on every part with a Dirichlet condition; w is the weight"),
-        ("transfinite", "g = sum g_i w_i", "joins different Dirichlet data on different parts"),
-        ("natural", "u = psi", "Neumann and Robin conditions, through the energy"),
+        (name, keys(model), ", ".join(KINDS_OF[name]), first_line(model)) for name, model in MODELS.items()
     ]
 
 
+def structures() -> list[tuple[str, ...]]:
+    """Solution structures: what each satisfies for every psi, its psi's, what it asks of w, its derivatives of psi."""
+    from structures.catalogue.registry import rows
+
+    return rows()
+
+
 def bases() -> list[tuple[str, ...]]:
-    """Spline bases."""
-    meaning = {
-        "web-spline": "splines with little support inside are attached to inner ones: stable on any cut",
-        "b-spline": "all splines that meet the domain: ill-conditioned where the boundary cuts off slivers",
-    }
-    return [(name, meaning[name]) for name in BASES]
+    """Bases of the unknown psi with their degrees."""
+    from solvers.bases.registry import BASES
+
+    return [(name, "{} to {}".format(*one.degrees), one.meaning) for name, one in BASES.items()]
 
 
 def weights() -> list[tuple[str, ...]]:
@@ -90,15 +82,25 @@ def weights() -> list[tuple[str, ...]]:
     return [*rows, *((name, "R-functions of the whole expression") for name in NAMES)]
 
 
+def methods() -> list[tuple[str, ...]]:
+    """Methods that choose the unknown psi."""
+    from solvers.methods import METHODS
+
+    return [(name, first_line(method)) for name, method in METHODS.items()]
+
+
 def solvers() -> list[tuple[str, ...]]:
     """Linear solvers."""
     meaning = {
         "auto": "chosen by size and density; the summary says which and why",
         "dense": "Cholesky factorisation of the full matrix",
+        "pivoted": "Cholesky factorisation that leaves out dependent unknowns: for global bases",
         "superlu": "sparse factorisation",
         "pardiso": "sparse factorisation by pypardiso, when that is installed",
         "cg": "conjugate gradients with diagonal scaling",
         "amg": "conjugate gradients with algebraic multigrid",
+        "qr": "orthogonal factorisation of the rows: least-squares and collocation",
+        "gmres": "GMRES with an incomplete factorisation: galerkin with advection",
     }
     return [(name, meaning[name]) for name in LINEAR_SOLVERS]
 
@@ -123,9 +125,12 @@ TOPICS: dict[str, Topic] = {
     "shapes": Topic(("kind", "dimension", "arguments", "meaning"), shapes),
     "functions": Topic(("function", "arguments", "meaning"), functions),
     "equations": Topic(("equation", "data", "conditions", "meaning"), equations),
-    "structures": Topic(("structure", "formula", "meaning"), structures),
-    "bases": Topic(("basis", "meaning"), bases),
+    "structures": Topic(
+        ("structure", "satisfies", "formula", "psi", "order of w", "derivatives"), structures
+    ),
+    "bases": Topic(("basis", "degree", "meaning"), bases),
     "weights": Topic(("weight", "meaning"), weights),
+    "methods": Topic(("method", "meaning"), methods),
     "solvers": Topic(("linear solver", "meaning"), solvers),
     "cases": Topic(("case", "title"), cases),
 }

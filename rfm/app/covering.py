@@ -8,6 +8,7 @@ pieces at points of a coarse boundary rule.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import reduce
 from typing import TYPE_CHECKING
 
@@ -56,7 +57,7 @@ def assign_parts(case: Case, domain: Shape) -> tuple[Part, ...]:
     if pieces:
         _compare_at_points(case, domain, claimed, pieces, bool(rest))
     if rest:
-        claimed[rest[0]] = left
+        claimed[rest[0]] = replace(left, name="rest")
     return tuple(claimed[i] for i in range(len(case.boundary_conditions)))
 
 

@@ -1,7 +1,7 @@
 """How much memory a discretisation would need, and whether this computer has it.
 
-The estimate counts what grows with the grid: the matrix in stencil form, ``((2p + 1)^d + 1) / 2`` numbers a
-spline, its compressed copy and the copy with extended splines; the vectors; the states of the cells; and the
+The estimate counts what grows with the grid: the matrix in stencil form, of splines ``((2p + 1)^d + 1) / 2`` numbers
+an unknown, its compressed copy and the copy with extended splines; the vectors; the states of the cells; and the
 rules of the cut cells, whose number grows with the boundary.
 """
 
@@ -33,16 +33,20 @@ CELL_BYTES = 40
 """Bytes a cell for its state and the tests that decide it."""
 
 
-def required_bytes(domain: Shape, discretization: Discretization) -> float:
-    """Upper estimate of the memory of a solve."""
+def required_bytes(domain: Shape, discretization: Discretization, components: int = 1) -> float:
+    """Upper estimate of the memory of a solve for a field of `components`, which are all coupled."""
+    from solvers.bases.registry import basis
+
     cells = grid_cells(domain, discretization)
     degree, dimension = discretization.degree, len(cells)
-    splines = math.prod(n + degree for n in cells)
-    stencil = ((2 * degree + 1) ** dimension + 1) / 2
-    points = discretization.quadrature_points or degree + 3
+    chosen = basis(discretization.basis)
+    unknowns, row = chosen.unknowns(degree, cells), chosen.row(degree, cells)
+    rule = chosen.points(degree, min(10**6, int(max(cells))))
+    points = discretization.quadrature_points or rule.cut
     border = 2.0 * sum(math.prod(cells) / n for n in cells)
-    nodes = (2 * degree + 2) ** dimension + points**dimension
-    numbers: float = MATRIX_COPIES * stencil * splines + 10 * splines + 2 * nodes * border
+    nodes = (rule.folded or 0) ** dimension + points**dimension
+    unknowns, row = components * unknowns, components * row
+    numbers: float = MATRIX_COPIES * row * unknowns + 10 * unknowns + 2 * nodes * border
     return BASE_BYTES + 8.0 * numbers + CELL_BYTES * math.prod(cells)
 
 
@@ -64,7 +68,7 @@ def available_bytes() -> float:
     return min(free, _container_limit())
 
 
-def require_memory(domain: Shape, discretization: Discretization) -> None:
+def require_memory(domain: Shape, discretization: Discretization, components: int = 1) -> None:
     """Refuse a discretisation that would not fit.
 
     Raises
@@ -72,7 +76,7 @@ def require_memory(domain: Shape, discretization: Discretization) -> None:
     DiscretizationError
         Names the memory it would need, what is there, and the flag that allows it.
     """
-    needed, available = required_bytes(domain, discretization), available_bytes()
+    needed, available = required_bytes(domain, discretization, components), available_bytes()
     if needed > FRACTION * available:
         cells = " x ".join(f"{n:.0f}" for n in grid_cells(domain, discretization))
         raise DiscretizationError(
@@ -87,7 +91,7 @@ def refuse_large(case: Case) -> None:
 
     domain = build_domain(case)
     try:
-        require_memory(domain, build_discretization(case, domain))
+        require_memory(domain, build_discretization(case, domain), len(case.unknowns))
     except DiscretizationError as error:
         raise located(case, error) from error
 

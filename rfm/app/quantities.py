@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rfm.app.case import Case
+from rfm.app.derived import derived
 from rfm.app.schema.results import DOMAIN
 from rfm.errors import DataError, RfmError
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
-    """Value and gradient of u at the probes of the case.
+    """Value and gradient of u, and what derives from them, at the probes of the case.
 
     Raises
     ------
@@ -34,13 +35,20 @@ def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
     for name, point in case.probes.items():
         if float(np.asarray(membership(*point))) < -tolerance:
             raise case.error(("probes", name), "the point lies outside the domain")
-        jet = solution.trial.at([point], 1)[:, 0]
-        results[name] = {"point": list(point), "u": float(jet[0]), "gradient": [float(c) for c in jet[1:]]}
+        results[name] = {
+            "point": list(point),
+            "u": solution.u([point])[0].tolist(),
+            "gradient": solution.gradient([point])[0].tolist(),
+            **{
+                kind: {key: float(values[0]) for key, values in found.items()}
+                for kind, found in derived(solution, np.array([point])).items()
+            },
+        }
     return results
 
 
-def integrals(case: Case, solution: Solution) -> dict[str, float]:
-    """Integrals of the case over parts of the boundary or over the domain.
+def integrals(case: Case, solution: Solution) -> dict[str, float | list[float]]:
+    """Integrals of the case over parts of the boundary or over the domain; of a traction, its resultant.
 
     Raises
     ------
@@ -50,13 +58,15 @@ def integrals(case: Case, solution: Solution) -> dict[str, float]:
     return {name: _integral(case, name, wanted, solution) for name, wanted in case.integrals.items()}
 
 
-def _integral(case: Case, name: str, wanted: Integral, solution: Solution) -> float:
+def _integral(case: Case, name: str, wanted: Integral, solution: Solution) -> float | list[float]:
     try:
         if DOMAIN in wanted.on:
             return _over_domain(case, name, wanted, solution)
-        return sum(
+        parts = [
             _over_part(case, name, part, wanted, solution) for part in _surfaces(case, name, wanted, solution)
-        )
+        ]
+        total: float | list[float] = np.sum(parts, axis=0).tolist()
+        return total
     except DataError as error:
         raise case.error(("integrals", name, "of"), str(error)) from error
 
@@ -83,21 +93,22 @@ def _over_domain(case: Case, name: str, wanted: Integral, solution: Solution) ->
     return integrate(solution.background, solution.trial.degree, integrand)
 
 
-def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, solution: Solution) -> float:
+def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, solution: Solution) -> Array:
     rules: Mapping[Surface, PointBatch] = solution.background.rules.boundary
     if surface not in rules:
-        return 0.0
+        return np.zeros(())
     batch, grid = rules[surface], solution.background.grid
     if wanted.of == "area":
-        return float(batch.weights.sum())
+        return np.asarray(batch.weights.sum())
     if wanted.of == "flux":
-        from solvers.boundary import outward
+        from solvers.boundary import flux_values, outward
 
-        gradient = solution.trial.jet(batch, 1)[1:]
-        values = solution.problem.equation.conormal_flux(batch.points(grid), gradient, outward(batch))
+        problem = solution.problem
+        jet = solution.trial.jet(batch, problem.equation.flux_order)
+        values = flux_values(problem, batch.points(grid), outward(batch), jet)
     else:
         values = _expression_values(case, name, wanted, solution, batch)
-    return float(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights))
+    return np.asarray(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights, axis=(-2, -1)))
 
 
 def _expression_values(
@@ -107,10 +118,10 @@ def _expression_values(
 
     if isinstance(wanted.of, str):
         raise TypeError(f"{wanted.of!r} is no expression")
-    field: ExpressionField = wanted.of.field(case.dimension, ("integrals", name, "of"), ("u",))
+    field: ExpressionField = wanted.of.field(case.dimension, ("integrals", name, "of"), case.unknowns)
     coords = batch.points(solution.background.grid)
     values = np.broadcast_to(
-        np.asarray(field(*coords, solution.trial.jet(batch, 0)[0]), float), batch.weights.shape
+        np.asarray(field(*coords, *solution.trial.jet(batch, 0)), float), batch.weights.shape
     )
     require_finite("integrand", field, coords, np.where(batch.weights != 0, values, 0.0))
     return values

@@ -72,6 +72,14 @@ class Provenance:
         return cls(installed_versions(), host_facts(), as_text(started), as_text(finished))
 
 
+@dataclass(frozen=True, eq=False)
+class FurtherSpline:
+    """A spline beside the first: of another component of a vector, or of a structure with several."""
+
+    degree: int
+    coefficients: Array
+
+
 @dataclass(frozen=True)
 class RunRecord:
     """A finished run.
@@ -87,11 +95,15 @@ class RunRecord:
     domain, grid, classification
         The shape, its background grid and the states of the cells.
     degree, basis, coefficients
-        The spline: its degree, the name of its basis, its coefficients on the full index grid.
+        The first spline: its degree, the name of its basis, its coefficients on the full index grid.
+    more
+        The other splines, where there are several.
     u, gradient
-        The solution at points (n, d): values (n,) and gradients (n, d).
+        The solution at points (n, d): values (n,) and gradients (n, d); of a vector (n, c) and (n, c, d).
+    derived
+        Further quantities by name, at points (n, d), shape (n,).
     exact
-        The exact solution where it is known.
+        The exact solution where it is known; a tuple of fields for a vector.
     residuals
         One row per condition and part.
     timings
@@ -117,7 +129,9 @@ class RunRecord:
     u: PointFunction
     gradient: PointFunction
     provenance: Provenance
-    exact: Field | None = None
+    exact: Field | tuple[Field, ...] | None = None
+    more: tuple[FurtherSpline, ...] = ()
+    derived: Mapping[str, PointFunction] = field(default_factory=dict)
     residuals: tuple[Residual, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
     linear: LinearFacts | None = None

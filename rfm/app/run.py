@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from rfm.app.build import build_discretization, build_problem, located, solver_options
 from rfm.app.case import Case
-from rfm.app.record import LinearFacts, Provenance, Residual, RunRecord
+from rfm.app.derived import pictured
+from rfm.app.methods import build_method
+from rfm.app.record import FurtherSpline, LinearFacts, Provenance, Residual, RunRecord
+from rfm.app.schema.base import Strict
 from rfm.app.summary import Miss, misses, summarise
 from rfm.errors import RfmError
 
@@ -55,18 +58,21 @@ def compute(case: Case, listener: Listener | None = None) -> Result:
         The shape, the discretisation or the numerics refuse it.
     """
     from rfm.app.warnings import warnings_of
-    from solvers import ritz
+    from solvers import pipeline
 
     started, clock = datetime.now(UTC), time.perf_counter()
     try:
         problem = build_problem(case)
         discretization = build_discretization(case, problem.domain)
-        solution = ritz.solve(problem, discretization, solver_options(case), listener)
-        summary = summarise(case, solution, time.perf_counter() - clock)
+        options = solver_options(case)
+        method = build_method(case, problem, discretization, options)
+        solution = pipeline.solve(problem, discretization, method, options, listener)
+        summary = summarise(case, solution)
         warnings = warnings_of(solution)
     except RfmError as error:
         raise located(case, error) from error
     summary["warnings"] = list(warnings)
+    summary["seconds"]["total"] = round(time.perf_counter() - clock, 6)
     missed = tuple(misses(case, summary))
     if missed:
         summary["status"] = "missed"
@@ -94,8 +100,10 @@ def record_of(result: Result, study: tuple[dict[str, Any], ...] | None = None) -
         degree=trial.degree,
         basis=solution.discretization.basis,
         coefficients=trial.splines[0].coefficients,
+        more=tuple(FurtherSpline(psi.degree, psi.coefficients) for psi in trial.splines[1:]),
         u=solution.u,
         gradient=solution.gradient,
+        derived=pictured(solution),
         provenance=Provenance.collect(result.started),
         exact=solution.problem.exact,
         residuals=residuals,
@@ -110,8 +118,12 @@ def _data_text(condition: Any) -> str:
     value = getattr(condition, condition.kind)
     if condition.kind == "robin":
         return f"{_text(value.coefficient)} u + k du/dn = {_text(value.value)}"
+    if isinstance(value, Strict):
+        return ", ".join(f"{key} {_text(item)}" for key, item in value)
     return _text(value)
 
 
 def _text(datum: Any) -> str:
+    if isinstance(datum, tuple):
+        return f"[{', '.join('free' if item is None else _text(item) for item in datum)}]"
     return str(getattr(datum, "text", datum))

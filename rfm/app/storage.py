@@ -3,7 +3,9 @@
 Layout of the HDF5 file (format 1)::
 
     /                attributes: format, name, title, degree, basis, started, finished
-    /coefficients    spline coefficients on the full index grid (cells + degree in every direction)
+    /coefficients    coefficients of the first psi: of splines on the full index grid (cells + degree in every
+                     direction), of other bases as they define them (solvers/bases)
+    /splines/1, ...  those of the other splines, where there are several; attribute: degree
     /grid            attributes: lower, spacing, cells
     /versions        attributes: package -> version
     /host            attributes: name, system, machine, processors
@@ -26,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from rfm.app.record import Provenance, RunRecord
+from rfm.app.record import FurtherSpline, Provenance, RunRecord
 from rfm.calculus.types import Array
 from rfm.errors import RfmError
 
@@ -46,7 +48,9 @@ class StoredSolution:
     lower, spacing, cells
         The grid: its lower corner, the sides of a cell, the number of cells (tuples of length d).
     coefficients
-        Spline coefficients on the full index grid.
+        Coefficients of the first spline on the full index grid.
+    more
+        The other splines.
     case, case_text
         The resolved case as data and as YAML text.
     """
@@ -63,6 +67,7 @@ class StoredSolution:
     case_text: str
     summary: Mapping[str, Any]
     provenance: Provenance
+    more: tuple[FurtherSpline, ...] = ()
 
 
 def solution_bytes(record: RunRecord) -> bytes:
@@ -83,6 +88,10 @@ def solution_bytes(record: RunRecord) -> bytes:
             }
         )
         file.create_dataset("coefficients", data=np.asarray(record.coefficients, dtype=np.float64))
+        for number, spline in enumerate(record.more, start=1):
+            name = f"splines/{number}"
+            file.create_dataset(name, data=np.asarray(spline.coefficients, dtype=np.float64))
+            file[name].attrs["degree"] = spline.degree
         grid = file.create_group("grid")
         grid.attrs["lower"] = np.asarray(record.grid.lower, dtype=np.float64)
         grid.attrs["spacing"] = np.asarray(record.grid.spacing, dtype=np.float64)
@@ -144,6 +153,13 @@ def _read(file: Any, path: Path) -> StoredSolution:
             host={key: str(value) for key, value in file["host"].attrs.items()},
             started=str(attributes["started"]),
             finished=str(attributes["finished"]),
+        ),
+        more=tuple(
+            FurtherSpline(
+                int(file[f"splines/{number}"].attrs["degree"]),
+                np.asarray(file[f"splines/{number}"][()], dtype=np.float64),
+            )
+            for number in range(1, 1 + len(file.get("splines", ())))
         ),
     )
 

@@ -30,21 +30,20 @@ class Miss:
         return f"{self.key}: expected {self.wanted}, got {got}"
 
 
-def summarise(case: Case, solution: Solution, total: float) -> dict[str, Any]:
+def summarise(case: Case, solution: Solution) -> dict[str, Any]:
     """Everything worth a number about a solution, as plain JSON values.
 
     Parameters
     ----------
     case, solution
         What was asked for and what came out.
-    total
-        Wall seconds of the whole run so far.
     """
-    from solvers.energy import energy
-    from solvers.norms import boundary_errors, error_norms
+    from solvers.measures import measure
+    from solvers.norms import boundary_errors
 
     problem, trial, background = solution.problem, solution.trial, solution.background
-    norms = error_norms(trial, problem.exact, background) if problem.exact is not None else None
+    measures = measure(problem, trial, background)
+    norms = measures.norms
     seconds = {phase: round(solution.seconds.get(phase, 0.0), 6) for phase in PHASES}
     linear = solution.linear
     return {
@@ -60,17 +59,19 @@ def summarise(case: Case, solution: Solution, total: float) -> dict[str, Any]:
         "relative_l2_error": norms.l2 if norms else None,
         "relative_h1_error": norms.h1 if norms else None,
         "relative_max_error": norms.maximum if norms else None,
+        "relative_energy_error": measures.energy_norm,
         "boundary_error": boundary_errors(problem, trial, background),
-        "energy": energy(problem, trial, background),
+        "energy": measures.energy if problem.equation.symmetric else None,
         "linear": {
             "method": linear.method,
             "reason": linear.reason,
             "residual": linear.residual,
             "iterations": linear.iterations,
+            "condition": linear.condition,
         },
         "probes": probes(case, solution),
         "integrals": integrals(case, solution),
-        "seconds": {**seconds, "total": round(total, 6)},
+        "seconds": seconds,
         "peak_memory_mb": round(peak_memory_mb(), 1),
     }
 

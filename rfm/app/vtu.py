@@ -32,7 +32,7 @@ VTK_TYPES = {"f8": "Float64", "i4": "Int32", "i8": "Int64", "u1": "UInt8"}
 
 
 def vtu_bytes(samples: Samples) -> bytes:
-    """Content of ``field.vtu``: point data u, gradient and, when known, error."""
+    """Content of ``field.vtu``: point data u, gradient, derived quantities and, when known, error."""
     mesh = samples.mesh
     kind, order = BLOCK_CELLS[mesh.dimension]
     cells = [(kind, mesh.blocks[:, list(order)]), (SIMPLEX_CELLS[mesh.dimension], mesh.simplices)]
@@ -40,9 +40,13 @@ def vtu_bytes(samples: Samples) -> bytes:
     types = np.concatenate([np.full(len(corners), code, dtype=np.uint8) for code, corners in cells])
     connectivity = np.concatenate([corners.ravel() for _, corners in cells])
     integer = np.int32 if max(len(connectivity), len(mesh.points)) < 2**31 else np.int64
-    data = [_array("u", samples.u), _array("gradient", _in_space(samples.gradient))]
+    vector = samples.u.ndim > 1
+    gradient = samples.gradient.reshape(len(mesh.points), -1) if vector else _in_space(samples.gradient)
+    data = [_array("u", _in_space(samples.u) if vector else samples.u), _array("gradient", gradient)]
     if samples.error is not None:
-        data.append(_array("error", samples.error))
+        data.append(_array("error", _in_space(samples.error) if vector else samples.error))
+    data += [_array(name, values) for name, values in samples.derived.items()]
+    roles = 'Vectors="u"' if vector else 'Scalars="u" Vectors="gradient"'
     order_of_bytes = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
     lines = [
         '<?xml version="1.0"?>',
@@ -50,7 +54,7 @@ def vtu_bytes(samples: Samples) -> bytes:
         'header_type="UInt64" compressor="vtkZLibDataCompressor">',
         "<UnstructuredGrid>",
         f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{len(types)}">',
-        '<PointData Scalars="u" Vectors="gradient">',
+        f"<PointData {roles}>",
         *data,
         "</PointData>",
         "<Points>",

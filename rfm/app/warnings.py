@@ -25,7 +25,12 @@ def _corner_jumps(solution: Solution) -> list[str]:
     from structures.corners import corner_jumps
 
     found = []
-    for corner in corner_jumps(solution.problem.domain, prescribed_values(solution.problem)):
+    corners = (
+        corner
+        for values in prescribed_values(solution.problem)
+        for corner in corner_jumps(solution.problem.domain, values)
+    )
+    for corner in corners:
         if corner.jump <= AGREEMENT:
             continue
         where = ", ".join(f"{c:.6g}" for c in corner.location)

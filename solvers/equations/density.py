@@ -1,7 +1,7 @@
 r"""Quadratic densities in the jet of the unknown field.
 
-The rows of :math:`v` are the partial derivatives :math:`\partial^\beta u_c` of all components, component after component,
-:math:`\beta` over :func:`rfm.calculus.jets.multi_indices`.  A method of solution gives a density
+The rows of :math:`v` are the partial derivatives :math:`\partial^\beta u_c` of all components, one component
+after the other, :math:`\beta` over :func:`rfm.calculus.jets.multi_indices`.  A method of solution gives a density
 
 .. math:: W(v) = \tfrac12 v^T H v - l^T v
 
@@ -20,15 +20,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from rfm.calculus.types import Array
+from solvers.equations.rows import Scalar
 from structures.jet_matrix import JetMatrix
 
-Scalar = Array | float
 Column = tuple[int, int]
 """A column ``(m, alpha)`` of the structure: a derivative of one of its splines."""
 Blocks = dict[tuple[Column, Column], Array]
 Loads = dict[Column, Array]
+
+
+class Density(Protocol):
+    """A functional in the jet of u at points that can be expressed in the jets of the splines."""
+
+    def pull_back(self, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+        """Return blocks and loads, quadrature weights included; see :func:`pull_back`."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -48,6 +57,10 @@ class QuadraticDensity:
     hessian: Mapping[tuple[int, int], Scalar]
     linear: Mapping[int, Scalar]
     symmetric: bool = True
+
+    def pull_back(self, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+        """Density in the jets of the splines; see :func:`pull_back`."""
+        return pull_back(self, jet, weights)
 
     def columns(self) -> dict[int, list[tuple[int, Scalar]]]:
         """The nonzero entries of H by column: ``(row, entry)``, both triangles."""

@@ -24,6 +24,8 @@ from solvers.linear.system import NotConverged, ScaledSystem
 
 __all__ = ["METHODS", "LinearSolution", "solve"]
 
+WRONG = 1e-2
+"""A solution with a larger residual, relative to the load, is refused whatever its backward error."""
 ACCEPTED = 1e-8
 """A solution with a larger backward error is refused."""
 
@@ -44,6 +46,8 @@ class LinearSolution:
         Name of the method.
     reason
         Why this method.
+    condition
+        Estimate of the condition number of the matrix scaled to a unit diagonal, where it was asked for.
     """
 
     x: Array
@@ -51,6 +55,7 @@ class LinearSolution:
     iterations: int
     method: str
     reason: str
+    condition: float | None = None
 
 
 def solve(
@@ -107,7 +112,8 @@ def _accept(
 ) -> LinearSolution:
     """Solution of the original system, refused when it does not solve a nearby one."""
     x, residual = system.unscale(scaled)
-    if not system.backward_error(scaled) <= max(ACCEPTED, tolerance):
+    # a huge solution may solve a nearby system and still leave a residual as large as the load
+    if not (system.backward_error(scaled) <= max(ACCEPTED, tolerance) and residual <= WRONG):
         raise NumericsError(
             f"the linear solver {candidate.name} reached only a relative residual of {residual:.1e}: the system is "
             "too ill-conditioned; lower the degree, use basis: web-spline, or raise quadrature_points"

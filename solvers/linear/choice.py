@@ -15,6 +15,7 @@ from typing import Protocol
 from rfm.calculus.types import Array
 from solvers.linear.direct import DenseCholesky, Pardiso, SuperLU
 from solvers.linear.iterative import ConjugateGradients, Multigrid
+from solvers.linear.pivoted import PivotedCholesky
 from solvers.linear.system import ScaledSystem
 
 SMALL = 800
@@ -48,6 +49,7 @@ class Candidate:
 
 METHODS: dict[str, Method] = {
     "dense": DenseCholesky(),
+    "pivoted": PivotedCholesky(),
     "superlu": SuperLU(),
     "pardiso": Pardiso(),
     "cg": ConjugateGradients(),

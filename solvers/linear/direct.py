@@ -11,6 +11,7 @@ import numpy as np
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError
 from solvers.linear.system import INDEFINITE, SINGULAR, NotConverged, ScaledSystem
+from solvers.threads import threads_for
 
 REFINEMENTS = 2
 EPSILON = float(np.finfo(float).eps)
@@ -44,7 +45,8 @@ class DenseCholesky:
         array[pins, pins] += 1.0
         norm = float(dlange("1", array.T))
         lowest = f"of {len(array)} unknowns"
-        factor, info = dpotrf(array.T, lower=1, overwrite_a=1, clean=0)
+        with threads_for(len(array)):
+            factor, info = dpotrf(array.T, lower=1, overwrite_a=1, clean=0)
         if info > 0:
             pivot = self._pivot(system, info)
             problem = SINGULAR if pivot > -1e3 * EPSILON * norm else INDEFINITE

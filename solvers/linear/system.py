@@ -73,15 +73,17 @@ class ScaledSystem:
                     "finite somewhere in the domain; check them, or turn moment fitting off when a formula is "
                     "undefined just outside the domain"
                 )
+        vectors = (
+            np.zeros((n, 0)) if null_space is None else np.asarray(null_space, dtype=float).reshape(n, -1)
+        )
+        # an unknown that is itself a null vector, as the first one of polynomials, has nothing on its diagonal
         diagonal = matrix.diagonal()
+        diagonal = np.where((diagonal == 0) & vectors.any(axis=1), 1.0, diagonal)
         if not (diagonal > 0).all():
             worst = int(diagonal.argmin())
             problem, why = (INDEFINITE, "is negative") if diagonal[worst] < 0 else (SINGULAR, "is zero")
             raise NumericsError(problem.format(why=f"diagonal entry {worst} of {n} {why}"))
         scale = 1.0 / np.sqrt(diagonal)
-        vectors = (
-            np.zeros((n, 0)) if null_space is None else np.asarray(null_space, dtype=float).reshape(n, -1)
-        )
         null_original = np.linalg.qr(vectors)[0]
         null = np.linalg.qr(vectors / scale[:, None])[0]
         projected = load - null_original @ (null_original.T @ load)

@@ -46,7 +46,7 @@ def evaluate(c: Array, t: Array) -> Array:
 
 def derivative(c: Array, axis: int) -> Array:
     """Differentiate along an axis; the degree of that axis drops by one."""
-    return (c.shape[axis] - 1) * np.diff(c, axis=axis)
+    return np.asarray((c.shape[axis] - 1) * np.diff(c, axis=axis))
 
 
 @cache
@@ -58,7 +58,7 @@ def lobatto(degree: int) -> Array:
 @cache
 def from_values(degree: int) -> Array:
     """Return the matrix from values at :func:`lobatto` points to Bernstein coefficients."""
-    matrix = np.linalg.inv(basis(degree, lobatto(degree)))
+    matrix = np.asarray(np.linalg.inv(basis(degree, lobatto(degree))), dtype=np.float64)
     # The ends interpolate: keep these rows exact so that neighbouring cells agree on their common face.
     matrix[[0, -1]] = 0.0
     matrix[0, 0] = matrix[-1, -1] = 1.0

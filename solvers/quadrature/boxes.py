@@ -63,12 +63,12 @@ class Boxes:
     @property
     def dimension(self) -> int:
         """Number of directions."""
-        return self.lower.shape[1]
+        return int(self.lower.shape[1])
 
     @property
     def degree(self) -> int:
         """Polynomial degree in each direction."""
-        return self.c.shape[-1] - 1
+        return int(self.c.shape[-1]) - 1
 
     @cached_property
     def range(self) -> tuple[Array, Array]:

@@ -34,6 +34,9 @@ STEADY = 2.5
 STEADY_EDGE = 4.0
 """The same for the traces on faces and for edges."""
 
+COMBINATIONS = (-4.0, -2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0, 4.0)
+"""Multiples of a second function that are added to a first one to see that they do not vanish together."""
+
 PROHIBITIVE = 1e4
 """Score of what must not be chosen."""
 
@@ -54,6 +57,8 @@ class Choice:
         Which slots do not depend on ``x_k``, shape ``(n, m)``.
     valid
         Whether everything is a graph, shape ``(n,)``.
+    height
+        Whether at least the surfaces are graphs in direction ``k``, shape ``(n,)``.
     base_only
         Whether halving the directions other than ``k`` may be enough, shape ``(n,)``.
     """
@@ -61,6 +66,7 @@ class Choice:
     axes: Integers
     upright: Mask
     valid: Mask
+    height: Mask
     base_only: Mask
 
 
@@ -92,20 +98,23 @@ def choose(boxes: Boxes, heights: int) -> Choice:
     if d == 2:
         best = score.argmin(axis=1)
         never = np.zeros(len(boxes), dtype=bool)
-        return Choice(np.asarray(orders)[best], upright[rows, :, best], fits[rows, best], never)
+        axes, good = np.asarray(orders)[best], fits[rows, best]
+        return Choice(axes, upright[rows, :, best], good, good.copy(), never)
     totals = np.empty((len(boxes), len(orders)))
+    apart = _apart(boxes, 0.5 * (low + high), heights)
     for number, order in enumerate(orders):
         k, j, _ = order
         traces = _trace_score(boxes, k, j, heights)
-        edges = _edge_score(low, high, upright, level[..., 0], k, j, heights)
+        edges = _edge_score(low, high, upright, apart, k, j)
         totals[:, number] = score[:, k] + 0.1 * traces + 0.05 * edges
     best = totals.argmin(axis=1)
     axes = np.asarray(orders)[best]
-    good_height = fits.any(axis=1) & (boxes.slots.shape[1] == 1)
+    height = fits.any(axis=1)
     valid = totals[rows, best] < 0.01 * PROHIBITIVE
     # Halve the base in the direction of the best height when only the base is in the way.
     axes = np.where(valid[:, None], axes, np.asarray(orders)[2 * score.argmin(axis=1)])
-    return Choice(axes, upright[rows, :, axes[:, 0]], valid, good_height)
+    base_only = height & (boxes.slots.shape[1] == 1)
+    return Choice(axes, upright[rows, :, axes[:, 0]], valid, height, base_only)
 
 
 def _slopes(c: Array, d: int) -> tuple[Array, Array]:
@@ -148,21 +157,43 @@ def _trace_score(boxes: Boxes, k: int, j: int, heights: int) -> Array:
     return worst
 
 
-def _edge_score(low: Array, high: Array, upright: Mask, level: Array, k: int, j: int, heights: int) -> Array:
+def _apart(boxes: Boxes, gradient: Array, heights: int) -> dict[tuple[int, int], Mask]:
+    """Pairs of slots and where they certainly do not meet: where some combination of the two has no zero.
+
+    For nearly parallel surfaces that is the combination in which the mean gradients ``(n, m, d)`` cancel.
+    """
+    m = boxes.slots.shape[1]
+    size = np.abs(boxes.c.reshape(len(boxes), m, -1)).max(axis=2)
+    found = {}
+    for a in range(min(heights, m)):
+        for b in range(a + 1, m):
+            apart = np.zeros(len(boxes), dtype=bool)
+            parallel = -(gradient[:, a] * gradient[:, b]).sum(axis=1)
+            parallel /= np.maximum((gradient[:, b] ** 2).sum(axis=1), np.finfo(np.float64).tiny)
+            for factor in (parallel, *(share * size[:, a] / size[:, b] for share in COMBINATIONS)):
+                factors = factor.reshape(-1, *[1] * boxes.dimension)
+                low, high = bernstein.bounds(boxes.c[:, a] + factors * boxes.c[:, b], boxes.dimension)
+                noise = 2 * (boxes.noise[:, a] + np.abs(factor) * boxes.noise[:, b])
+                apart |= (low > noise) | (high < -noise)
+            found[a, b] = apart
+    return found
+
+
+def _edge_score(
+    low: Array, high: Array, upright: Mask, apart: dict[tuple[int, int], Mask], k: int, j: int
+) -> Array:
     """Unsteadiness along ``j`` of the edges between slots, 0 if there are none."""
-    m = low.shape[1]
     worst = np.zeros(len(low))
     zero = np.where(upright, 0.0, 1.0)
     low, high = low * zero, high * zero
-    for a in range(min(heights, m)):
-        for b in range(a + 1, m):
-            first = _product(low[:, a, k], high[:, a, k], low[:, b, j], high[:, b, j])
-            second = _product(low[:, a, j], high[:, a, j], low[:, b, k], high[:, b, k])
-            minor_low, minor_high = first[0] - second[1], first[1] - second[0]
-            flat = (minor_low == 0) & (minor_high == 0)
-            score = _unsteadiness(minor_low, minor_high)
-            score = np.where(score <= STEADY_EDGE, score, PROHIBITIVE)
-            worst = np.maximum(worst, np.where(flat, 0.0, score))
+    for (a, b), never in apart.items():
+        first = _product(low[:, a, k], high[:, a, k], low[:, b, j], high[:, b, j])
+        second = _product(low[:, a, j], high[:, a, j], low[:, b, k], high[:, b, k])
+        minor_low, minor_high = first[0] - second[1], first[1] - second[0]
+        flat = (minor_low == 0) & (minor_high == 0)
+        score = _unsteadiness(minor_low, minor_high)
+        score = np.where(score <= STEADY_EDGE, score, PROHIBITIVE)
+        worst = np.maximum(worst, np.where(flat | never, 0.0, score))
     return worst
 
 

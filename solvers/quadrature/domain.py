@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rfm.calculus.jets import partials
+from rfm.geometry.surface import Surface
 from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.boxes import initial_boxes
 from solvers.quadrature.logic import Logic
@@ -19,7 +21,6 @@ from solvers.quadrature.tensor import inner_rule
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
     from rfm.geometry.shape import Shape
-    from rfm.geometry.surface import Surface
     from solvers.classify import Classification
     from solvers.grid import Grid, Integers
 
@@ -46,8 +47,33 @@ class DomainRules:
 
     inner: TensorBatch
     cut: PointRule
-    boundary: dict[Surface, PointBatch]
+    boundary: Mapping[Surface, PointBatch]
     unresolved: float
+
+
+class Deferred(Mapping[Surface, PointBatch]):
+    """Rules on the boundary, built when they are first looked at: with Dirichlet conditions only, no solve needs them.
+
+    Parameters
+    ----------
+    build
+        Builds the rules.
+    """
+
+    def __init__(self, build: Callable[[], dict[Surface, PointBatch]]) -> None:
+        self._build = cache(build)
+
+    def __getitem__(self, surface: Surface) -> PointBatch:
+        """Rule on a surface."""
+        return self._build()[surface]
+
+    def __iter__(self) -> Iterator[Surface]:
+        """Surfaces that meet the boundary."""
+        return iter(self._build())
+
+    def __len__(self) -> int:
+        """Count the surfaces that meet the boundary."""
+        return len(self._build())
 
 
 def domain_rules(domain: Shape, classification: Classification, inner: int, cut: int) -> DomainRules:
@@ -72,43 +98,46 @@ def domain_rules(domain: Shape, classification: Classification, inner: int, cut:
     boxes = list(initial_boxes(logic, grid, cells, classification.signs, classification.active, rows))
     in_cut = [group.take(np.flatnonzero(group.row < len(cut_cells))) for group in boxes]
     volume = list(volume_rule(logic, [group for group in in_cut if len(group)], cut))
-    boundary = list(boundary_rule(logic, boxes, cut))
+    boundary = Deferred(lambda: _boundary_batches(logic, grid, cells, list(boundary_rule(logic, boxes, cut))))
     return DomainRules(
         inner_rule(grid, classification.inner_cells, inner),
         _volume_batch(grid, cells, volume),
-        _boundary_batches(logic, grid, cells, boundary),
+        boundary,
         grid.cell_volume * sum(part.unresolved for part in volume),
     )
 
 
-def _joined(arrays: Iterable[Array], empty: tuple[int, ...]) -> Array:
-    arrays = list(arrays)
-    return np.concatenate(arrays) if arrays else np.zeros(empty)
-
-
 def _volume_batch(grid: Grid, cells: Integers, parts: list[VolumePart]) -> PointRule:
-    rows = _joined((part.row for part in parts), (0,)).astype(np.int64)
-    nodes = _joined((part.nodes for part in parts), (0, grid.dimension))
-    weights = _joined((part.weights for part in parts), (0,)) * grid.cell_volume
+    if not parts:
+        return PointRule.gather(
+            cells, np.zeros(0, dtype=np.int64), np.zeros((0, grid.dimension)), np.zeros(0)
+        )
+    rows = np.concatenate([part.row for part in parts])
+    nodes = np.concatenate([part.nodes for part in parts])
+    weights = grid.cell_volume * np.concatenate([part.weights for part in parts])
     return PointRule.gather(cells, rows, nodes, weights)
 
 
 def _boundary_batches(
     logic: Logic, grid: Grid, cells: Integers, parts: list[BoundaryPart]
 ) -> dict[Surface, PointBatch]:
+    if not parts:
+        return {}
     batches = {}
-    number = _joined((part.surface for part in parts), (0,)).astype(np.int64)
-    row = _joined((part.row for part in parts), (0,)).astype(np.int64)
-    axis = _joined((part.axis for part in parts), (0,)).astype(np.int64)
-    nodes = _joined((part.nodes for part in parts), (0, grid.dimension))
-    inner_sign = _joined((part.inner_sign for part in parts), (0,))
+    number = np.concatenate([part.surface for part in parts])
+    row = np.concatenate([part.row for part in parts])
+    axis = np.concatenate([part.axis for part in parts])
+    nodes = np.concatenate([part.nodes for part in parts])
+    inner_sign = np.concatenate([part.inner_sign for part in parts])
+    # The measure of a cell across each direction.
     across = grid.cell_volume / grid.spacing
-    weights = _joined((part.weights for part in parts), (0,)) * across[axis]
+    weights = across[axis] * np.concatenate([part.weights for part in parts])
     for i in np.unique(number):
         surface = logic.surfaces[i]
         chosen = np.flatnonzero(number == i)
         at, gradient = _on_surface(surface, grid, cells[row[chosen]], nodes[chosen], axis[chosen])
-        length = np.sqrt((gradient**2).sum(axis=1))
+        # A vanishing gradient (the apex of a cone) has no normal; the point has no measure either.
+        length = np.maximum(np.sqrt((gradient**2).sum(axis=1)), np.finfo(np.float64).tiny)
         # The floor only acts in unresolved boxes, where the surface may turn.
         slope = np.maximum(np.abs(gradient[np.arange(len(chosen)), axis[chosen]]), STEEPEST * length)
         normals = -gradient * (inner_sign[chosen] / length)[:, None]
@@ -123,7 +152,8 @@ def _on_surface(
     """Nodes moved onto the surface (one Newton step cancels the interpolation error) and gradients there."""
     rows = np.arange(len(nodes))
     for moved in (False, True):
-        jet = partials(surface.function, tuple(grid.corners(cells + nodes).T), 1)
+        coords = grid.lower + grid.spacing * (cells + nodes)
+        jet = partials(surface.function, tuple(coords.T), 1)
         if moved or is_exact(surface):
             break
         step = jet[0] / (jet[1:][axis, rows] * grid.spacing[axis])

@@ -162,7 +162,7 @@ def triple_points(
     # The ends of a piece are where the structure changes: stay a little inside.
     z = pieces.nodes(1e-9 + (1.0 - 2e-9) * nodes)
     slices = restrict(c[pieces.owner], z)
-    p, q, m = slices.shape[:3]
+    p, q = slices.shape[:2]
     flat = slices.reshape(p * q, *slices.shape[2:])
     level = np.repeat(noise[pieces.owner], q, axis=0)
     found = []

@@ -17,7 +17,7 @@ import numpy as np
 from solvers.quadrature import bernstein
 from solvers.quadrature.boxes import Boxes, children, merged, strict_signs
 from solvers.quadrature.directions import Choice, choose
-from solvers.quadrature.logic import Logic
+from solvers.quadrature.logic import Logic, Mask, Signs
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.surface import boundary_points
 from solvers.quadrature.tensor import tensor_weights
@@ -27,11 +27,14 @@ if TYPE_CHECKING:
     from rfm.calculus.types import Array
     from solvers.grid import Integers
 
-DEPTH = {2: 14, 3: 7}
+DEPTH = {2: 20, 3: 7}
 """Halvings of a cell before a box is given up."""
 
 MOST_SLOTS = 5
 """Boxes with more surfaces are halved first."""
+
+MOST_BOXES = 4000
+"""Boxes (or eight for each box at the start, if that is more) above which halving ends: memory is bounded."""
 
 POINTS_AT_ONCE = 1_000_000
 
@@ -75,6 +78,7 @@ class BoundaryPart:
 def volume_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[VolumePart]:
     """Integrate over the domain in some boxes, ``order`` points on each piece of a line."""
     pending = merged(boxes)
+    limit = _limit(pending)
     while pending:
         open_boxes: list[Boxes] = []
         for group in pending:
@@ -86,12 +90,15 @@ def volume_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[Vo
             rows = np.flatnonzero(value == 0)
             open_boxes.extend(_grouped(logic, group, rows, signs[rows], 0))
         following: list[Boxes] = []
+        crowded = sum(map(len, open_boxes)) > limit
         for piece in _chunks(merged(open_boxes), order):
             choice = _choose(piece, piece.slots.shape[1])
-            if choice.valid.any():
-                yield _integrate(logic, piece, choice, order)
-            last = piece.depth >= DEPTH[piece.dimension]
-            lost = np.flatnonzero(~choice.valid & last)
+            last = (piece.depth >= DEPTH[piece.dimension]) | crowded
+            forced = ~choice.valid & choice.height & last
+            good = np.flatnonzero(choice.valid | forced)
+            if good.size:
+                yield _integrate(logic, piece, choice, good, forced, order)
+            lost = np.flatnonzero(~choice.valid & ~choice.height & last)
             if lost.size:
                 yield _fallback(logic, piece.take(lost), order)
             following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid & ~last)))
@@ -101,6 +108,7 @@ def volume_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[Vo
 def boundary_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[BoundaryPart]:
     """Integrate over the boundary of the domain in some boxes, ``order`` points on each piece of a base line."""
     pending = merged(target for group in boxes for target in _targets(logic, group))
+    limit = _limit(pending)
     while pending:
         open_boxes: list[Boxes] = []
         for group in pending:
@@ -108,14 +116,20 @@ def boundary_rule(logic: Logic, boxes: Iterable[Boxes], order: int) -> Iterator[
             rows = np.flatnonzero(logic.relevant(signs)[np.arange(len(group)), group.slots[:, 0]])
             open_boxes.extend(_grouped(logic, group, rows, signs[rows], 1))
         following: list[Boxes] = []
+        crowded = sum(map(len, open_boxes)) > limit
         for piece in _chunks(merged(open_boxes), order):
             choice = _choose(piece, 1)
-            # At the greatest depth the best direction has to do.
-            choice.valid[piece.depth >= DEPTH[piece.dimension]] = True
-            if choice.valid.any():
-                yield _integrate_boundary(logic, piece, choice, order)
-            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid)))
+            last = (piece.depth >= DEPTH[piece.dimension]) | crowded
+            # At the end the best direction has to do.
+            good = np.flatnonzero(choice.valid | (last & (piece.slots.shape[1] <= MOST_SLOTS)))
+            if good.size:
+                yield _integrate_boundary(logic, piece, choice, good, order)
+            following.extend(_halved(piece, choice, np.flatnonzero(~choice.valid & ~last)))
         pending = merged(following)
+
+
+def _limit(boxes: list[Boxes]) -> int:
+    return max(MOST_BOXES, 8 * sum(map(len, boxes)))
 
 
 def _targets(logic: Logic, group: Boxes) -> Iterator[Boxes]:
@@ -129,8 +143,8 @@ def _targets(logic: Logic, group: Boxes) -> Iterator[Boxes]:
             yield group.choose(rows, np.broadcast_to(order, (rows.size, m)), group.signs[rows])
 
 
-def _grouped(logic: Logic, group: Boxes, rows: Integers, signs: Array, fixed: int) -> Iterator[Boxes]:
-    """Split boxes by the number of slots that still matter and drop the others; the first ``fixed`` slots stay first."""
+def _grouped(logic: Logic, group: Boxes, rows: Integers, signs: Signs, fixed: int) -> Iterator[Boxes]:
+    """Split boxes by the number of slots that matter and drop the others; the first ``fixed`` slots stay first."""
     if not rows.size:
         return
     live = np.take_along_axis(logic.relevant(signs), group.slots[rows], axis=1)
@@ -155,7 +169,7 @@ def _chunks(groups: list[Boxes], order: int) -> Iterator[Boxes]:
 def _choose(boxes: Boxes, heights: int) -> Choice:
     choice = choose(boxes, heights)
     if boxes.slots.shape[1] > MOST_SLOTS:
-        choice.valid[:] = False
+        choice.valid[:] = choice.height[:] = False
         choice.base_only[:] = False
     return choice
 
@@ -192,16 +206,19 @@ def _unit(boxes: Boxes, rows: Integers, axes: Integers, at: Array) -> Array:
     return np.asarray(boxes.lower[rows] + boxes.width[rows] * nodes)
 
 
-def _integrate(logic: Logic, boxes: Boxes, choice: Choice, order: int) -> VolumePart:
-    rows = np.flatnonzero(choice.valid)
+def _integrate(
+    logic: Logic, boxes: Boxes, choice: Choice, rows: Integers, forced: Mask, order: int
+) -> VolumePart:
     points = volume_points(_graphs(logic, boxes, choice, rows), order)
     owner = rows[points.owner]
-    weights = points.weight * boxes.width.prod(axis=1)[owner]
-    return VolumePart(boxes.row[owner], _unit(boxes, owner, choice.axes[owner], points.at), weights)
+    volumes = boxes.width.prod(axis=1)
+    nodes = _unit(boxes, owner, choice.axes[owner], points.at)
+    return VolumePart(boxes.row[owner], nodes, points.weight * volumes[owner], float(volumes[forced].sum()))
 
 
-def _integrate_boundary(logic: Logic, boxes: Boxes, choice: Choice, order: int) -> BoundaryPart:
-    rows = np.flatnonzero(choice.valid)
+def _integrate_boundary(
+    logic: Logic, boxes: Boxes, choice: Choice, rows: Integers, order: int
+) -> BoundaryPart:
     graphs = _graphs(logic, boxes, choice, rows)
     preceding = boxes.slots[rows] < boxes.slots[rows, :1]
     preceding &= np.array([not surface.auxiliary for surface in logic.surfaces])[boxes.slots[rows]]

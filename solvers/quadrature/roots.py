@@ -46,16 +46,12 @@ def monotone_root(c: Array) -> Array:
                 # The root nearest to zero in the form without cancellation: on a monotone arc it is the one wanted.
                 b = 2.0 * (c[..., 1] - c[..., 0])
                 a = c[..., 0] - 2.0 * c[..., 1] + c[..., 2]
-                q = -0.5 * (
-                    b
-                    + np.copysign(
-                        np.sqrt(np.maximum(b * b - 4.0 * a * c[..., 0], 0.0)), c[..., 2] - c[..., 0]
-                    )
-                )
+                root_of = np.sqrt(np.maximum(b * b - 4.0 * a * c[..., 0], 0.0))
+                q = -0.5 * (b + np.copysign(root_of, c[..., 2] - c[..., 0]))
                 root = c[..., 0] / q
             case _:
                 root = _bracketed(c)
-    return np.clip(np.nan_to_num(root, nan=0.5), 0.0, 1.0)
+    return np.asarray(np.clip(np.nan_to_num(root, nan=0.5), 0.0, 1.0))
 
 
 def _bracketed(c: Array) -> Array:

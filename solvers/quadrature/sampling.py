@@ -57,6 +57,16 @@ def is_exact(surface: Surface) -> bool:
     return surface.degree is not None and surface.degree <= DEGREE
 
 
+def relative_noise(grid: Grid, degree: int) -> float:
+    """Return the rounding level of Bernstein coefficients relative to the largest of them.
+
+    Conversion to coefficients amplifies rounding like ``2**degree``; coordinates are rounded relative to their size,
+    not to that of a cell.
+    """
+    extent = float((np.maximum(np.abs(grid.lower), np.abs(grid.upper)) / grid.spacing).max())
+    return EPS * (2.0 ** (degree + 3) + 16.0 * extent)
+
+
 def values_at(surface: Surface, coords: tuple[Array, ...]) -> Array:
     """Return values of a surface function, checked to be finite.
 
@@ -71,8 +81,8 @@ def values_at(surface: Surface, coords: tuple[Array, ...]) -> Array:
         bad = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
         where = ", ".join(f"{float(np.broadcast_to(x, values.shape)[bad]):.6g}" for x in coords)
         raise GeometryError(
-            f"the function of '{surface.name or 'function'}' is not finite at ({where}): shapes need functions that are "
-            f"defined on the whole box of the grid"
+            f"the function of '{surface.name or 'function'}' is not finite at ({where}): shapes need functions "
+            f"that are defined on the whole box of the grid"
         )
     return np.asarray(values)
 
@@ -97,8 +107,7 @@ def sample(surface: Surface, grid: Grid, cells: Integers, lower: Array, width: A
     values = values_at(surface, _tensor_points(grid, cells, lower, width, bernstein.lobatto(degree)))
     c = bernstein.interpolate(values, d)
     scale = np.abs(c.reshape(len(c), -1)).max(axis=1, initial=0.0)
-    extent = float((np.maximum(np.abs(grid.lower), np.abs(grid.upper)) / grid.spacing).max())
-    noise = EPS * scale * (2.0 ** (degree + 3) + 16.0 * extent)
+    noise = relative_noise(grid, degree) * scale
     error = np.zeros(len(c))
     if not is_exact(surface):
         between = bernstein.lobatto(degree)

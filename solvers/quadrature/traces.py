@@ -57,7 +57,7 @@ def _maximum(c: Array) -> Array:
     for _ in range(STEPS):
         point = np.clip(point + _uphill(c, point), 0.0, 1.0)
         greatest = np.maximum(greatest, _at(c, point))
-    return greatest
+    return np.asarray(greatest)
 
 
 def _line_maximum(c: Array) -> tuple[Array, Array]:

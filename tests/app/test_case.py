@@ -12,9 +12,9 @@ from rfm.app.build import build_discretization, build_domain, build_problem, sol
 from rfm.app.case import Case, case_from_document, load_case
 from rfm.app.expressions import FUNCTIONS
 from rfm.app.memory import available_bytes, grid_cells, require_memory, required_bytes, shown
-from rfm.app.schema.conditions import BoundaryCondition
+from rfm.app.schema.conditions import BoundaryCondition, ClampedEdge, FreeEdge, SupportedEdge
 from rfm.app.schema.discretization import Discretization, Solver
-from rfm.app.schema.equation import Poisson
+from rfm.app.schema.equation import MODELS
 from rfm.app.schema.results import Integral, Study
 from rfm.app.schema.shapes import KINDS, ShapeSpec
 from rfm.app.source import from_text
@@ -370,7 +370,7 @@ def test_json_schema_knows_every_key():
     assert set(schema["properties"]) == set(Case.model_fields)
     assert schema["additionalProperties"] is False
     assert set(schema["$defs"]["ShapeSpec"]["properties"]) >= set(KINDS)
-    assert schema["$defs"]["Discretization"]["properties"]["degree"]["maximum"] == 8
+    assert schema["$defs"]["Discretization"]["properties"]["degree"]["maximum"] == 40
 
 
 # The documentation --------------------------------------------------------------------------------
@@ -382,7 +382,10 @@ def test_documentation_names_every_key_and_its_default():
     text = DOCUMENT.read_text()
     models = {
         Case,
-        Poisson,
+        *MODELS.values(),
+        ClampedEdge,
+        SupportedEdge,
+        FreeEdge,
         BoundaryCondition,
         Discretization,
         Solver,

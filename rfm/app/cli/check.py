@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from rfm.app.build import build_discretization, build_problem, located
+from rfm.app.build import build_discretization, build_problem, located, solver_options
 from rfm.app.case import Case
 from rfm.app.cli.outcome import DONE, print_json
 from rfm.app.cli.output import table
 from rfm.app.cli.settings import load
 from rfm.app.memory import require_memory, required_bytes
 from rfm.app.memory import shown as shown_bytes
+from rfm.app.methods import build_method
 from rfm.errors import RfmError
 
 
@@ -43,6 +44,7 @@ def findings(case: Case, allow_large: bool = False) -> dict[str, Any]:
     try:
         problem = build_problem(case)
         discretization = build_discretization(case, problem.domain)
+        build_method(case, problem, discretization, solver_options(case))
         if not allow_large:
             require_memory(problem.domain, discretization)
         grid = background_grid(problem.domain, discretization)
@@ -61,5 +63,5 @@ def findings(case: Case, allow_large: bool = False) -> dict[str, Any]:
         "inner_cells": inner,
         "cut_cells": cut,
         "outer_cells": total - inner - cut,
-        "memory": shown_bytes(required_bytes(problem.domain, discretization)),
+        "memory": shown_bytes(required_bytes(problem.domain, discretization, len(case.unknowns))),
     }

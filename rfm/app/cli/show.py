@@ -13,6 +13,7 @@ from rfm.app.case import Case
 from rfm.app.cli.outcome import DONE, print_json
 from rfm.app.cli.output import say, table
 from rfm.app.cli.settings import load
+from rfm.app.report.statement import state_problem
 from rfm.errors import CaseError, RfmError
 
 
@@ -59,20 +60,12 @@ def _show_case(case: Case, out: Path | None, as_json: bool) -> int:
 
 def statement(case: Case) -> list[str]:
     """Statement of the problem, one line for each equation and condition."""
-    data = case.equation.poisson
-    written = {name: _text(getattr(data, name)) for name in ("source", "conductivity", "reaction")}
+    stated = state_problem(case.to_dict())
     lines = [case.title or case.name, ""]
-    lines.append(f"  -div(k grad u) + c u = f   in {case.geometry.domain.text}")
-    lines.append(f"  k = {written['conductivity']}, c = {written['reaction']}, f = {written['source']}")
-    for condition in case.boundary_conditions:
-        value = getattr(condition, condition.kind)
-        left = {"dirichlet": "u", "neumann": "k du/dn"}.get(condition.kind)
-        if condition.robin is not None:
-            left, value = f"k du/dn + ({_text(condition.robin.coefficient)}) u", condition.robin.value
-        where = f" where {condition.where.text}" if condition.where is not None else ""
-        lines.append(f"  {left} = {_text(value)}   on {', '.join(condition.on)}{where}")
-    if case.exact is not None:
-        lines.append(f"  exact: u = {case.exact.text}")
+    lines.append(f"  {stated.equation.replace('in Ω', f'in {case.geometry.domain.text}')}")
+    data = [(name, meaning) for name, meaning in stated.where if name not in case.parameters]
+    lines.append("  " + ", ".join(f"{name} = {meaning}" for name, meaning in data))
+    lines += [f"  {condition}" for condition in stated.conditions]
     if case.parameters:
         lines.append("  with " + ", ".join(f"{name} = {value:g}" for name, value in case.parameters.items()))
     lines.append("")

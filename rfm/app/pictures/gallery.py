@@ -13,7 +13,7 @@ import numpy as np
 
 from rfm.app.pictures.canvas import ERROR_MAP, FIELD_MAP, png_bytes, short_number
 from rfm.app.record import RunRecord
-from rfm.app.samples import Samples
+from rfm.app.samples import Samples, exact_values, lengths
 from rfm.calculus.types import Array
 from rfm.errors import RfmError
 
@@ -47,13 +47,14 @@ class PlanePainter:
         """Draw the solution."""
         from rfm.app.pictures.plane import field_2d
 
-        return field_2d(self.samples.mesh, self.samples.u, title)
+        return field_2d(self.samples.mesh, self.samples.shown, title)
 
     def error(self, title: str) -> Figure:
         """Draw the difference from the exact solution."""
         from rfm.app.pictures.plane import error_2d
 
-        error = np.zeros(len(self.samples.u)) if self.samples.error is None else self.samples.error
+        shown = self.samples.shown_error
+        error = np.zeros(len(self.samples.u)) if shown is None else shown
         return error_2d(self.samples.mesh, error, title)
 
     def shape(self, title: str) -> Figure:
@@ -80,7 +81,9 @@ class SolidPainter:
         """Draw the solution."""
         from rfm.app.pictures.space import field_3d
 
-        return field_3d(self._solid, self.record.u, title, FIELD_MAP, symmetric=False)
+        return field_3d(
+            self._solid, lambda points: lengths(self.record.u(points)), title, FIELD_MAP, symmetric=False
+        )
 
     def error(self, title: str) -> Figure:
         """Draw the difference from the exact solution."""
@@ -95,11 +98,9 @@ class SolidPainter:
         return shape_3d(self.record, self._solid, title)
 
     def _difference(self, points: Array) -> Array:
-        exact = self.record.exact
-        if exact is None:
+        if self.record.exact is None:
             return np.zeros(len(points))
-        with np.errstate(all="ignore"):
-            return np.asarray(self.record.u(points) - exact(*np.ascontiguousarray(points.T)))
+        return lengths(self.record.u(points) - exact_values(self.record, points))
 
 
 PAINTERS: dict[int, type[PlanePainter] | type[SolidPainter]] = {2: PlanePainter, 3: SolidPainter}
@@ -121,7 +122,7 @@ def painter(record: RunRecord, samples: Samples) -> Painter:
 
 def solution_figure(record: RunRecord, samples: Samples) -> Figure:
     """The picture of the solution as a matplotlib figure."""
-    return painter(record, samples).solution(_solution_title(record))
+    return painter(record, samples).solution(_solution_title(record, samples))
 
 
 @dataclass(frozen=True)
@@ -134,16 +135,31 @@ class Gallery:
     @cached_property
     def solution(self) -> bytes:
         """The solution: ``picture.png``."""
-        return png_bytes(self._painter.solution(_solution_title(self.record)))
+        return png_bytes(self._painter.solution(_solution_title(self.record, self.samples)))
 
     @cached_property
     def error(self) -> bytes | None:
         """The difference from the exact solution; None when that is not known."""
         if self.samples.error is None:
             return None
-        finite = self.samples.error[np.isfinite(self.samples.error)]
+        shown = self.samples.shown_error if self.samples.shown_error is not None else np.zeros(0)
+        finite = shown[np.isfinite(shown)]
         largest = short_number(float(np.abs(finite).max(initial=0.0)))
-        return png_bytes(self._painter.error(f"u − exact, at most {largest}"))
+        what = "u − exact" if self.samples.error.ndim == 1 else "|u − exact|"
+        return png_bytes(self._painter.error(f"{what}, at most {largest}"))
+
+    @cached_property
+    def components(self) -> dict[str, bytes]:
+        """Components of a vector and derived quantities such as stresses, in the plane, by name."""
+        from rfm.app.pictures.plane import field_2d
+
+        samples = self.samples
+        if self.record.domain.dimension != 2:
+            return {}
+        fields = dict(samples.derived)
+        if samples.u.ndim > 1:
+            fields = {f"u{'xyz'[c]}": samples.u[:, c] for c in range(samples.u.shape[1])} | fields
+        return {name: png_bytes(field_2d(samples.mesh, values, name)) for name, values in fields.items()}
 
     @cached_property
     def shape(self) -> bytes:
@@ -164,5 +180,5 @@ class Gallery:
         return painter(self.record, self.samples)
 
 
-def _solution_title(record: RunRecord) -> str:
-    return f"{record.title}: u"
+def _solution_title(record: RunRecord, samples: Samples) -> str:
+    return f"{record.title}: {'u' if samples.u.ndim == 1 else '|u|'}"

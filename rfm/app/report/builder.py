@@ -20,6 +20,7 @@ NORMS = (
     ("relative_l2_error", "relative L² error"),
     ("relative_h1_error", "relative H¹ error"),
     ("relative_max_error", "relative maximum error"),
+    ("relative_energy_error", "relative error in the energy norm"),
     ("energy", "energy"),
 )
 """Keys of the summary in the table of norms."""
@@ -48,6 +49,7 @@ def report_html(record: RunRecord, gallery: Gallery) -> bytes:
         pictures={
             name: _embedded(getattr(gallery, name)) for name in ("shape", "solution", "error", "convergence")
         },
+        components={name: _embedded(picture) for name, picture in gallery.components.items()},
         norms=[(label, record.summary[key]) for key, label in NORMS if record.summary.get(key) is not None],
         timings=_shares(record.timings),
         columns=[(key, label) for key, label in STUDY_COLUMNS if any(r.get(key) is not None for r in study)],

@@ -69,10 +69,30 @@ def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     if not is_number(conductivity, 1):
         left = "−∇·(k ∇u)"
         where.append(("k", text(conductivity)))
+    if data.get("advection") is not None:
+        left += " + b·∇u"
+        where.append(("b", text(data["advection"])))
     if not is_number(reaction, 0):
         left += " + c u"
         where.append(("c", text(reaction)))
     return f"{left} = f in Ω", tuple(where)
+
+
+def _elasticity(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
+    where = [("E", text(data.get("young_modulus"))), ("ν", text(data.get("poisson_ratio")))]
+    force = data.get("body_force")
+    if force is not None:
+        where.append(("f", text(force)))
+    model = str(data.get("model", "")).replace("_", " ")
+    return f"−∇·σ(u) = {'0' if force is None else 'f'} in Ω ({model})", tuple(where)
+
+
+def _plate(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
+    where = [("q", text(data.get("load"))), ("ν", text(data.get("poisson_ratio", 0.3)))]
+    stiffness = data.get("stiffness", 1)
+    if is_number(stiffness, 1):
+        return "Δ²w = q in Ω", tuple(where)
+    return "∇·∇·(D ∇∇w) = q in Ω", (*where, ("D", text(stiffness)))
 
 
 def _any_equation(name: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
@@ -80,7 +100,11 @@ def _any_equation(name: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     return f"{name} in Ω", tuple((key, text(value)) for key, value in items)
 
 
-EQUATIONS: dict[str, Callable[[str, Mapping[str, Any]], tuple[str, Symbols]]] = {"poisson": _poisson}
+EQUATIONS: dict[str, Callable[[str, Mapping[str, Any]], tuple[str, Symbols]]] = {
+    "poisson": _poisson,
+    "elasticity": _elasticity,
+    "plate": _plate,
+}
 """How each equation is written; others are listed by their data."""
 
 
@@ -97,10 +121,20 @@ def _robin(data: Mapping[str, Any]) -> str:
     return f"k ∂u/∂n + ({text(data.get('coefficient'))}) u = {text(data.get('value'))}"
 
 
+def _free(value: Any) -> Any:
+    return ["free" if item is None else item for item in value] if isinstance(value, list) else value
+
+
 CONDITIONS: dict[str, Callable[[Any], str]] = {
-    "dirichlet": lambda value: f"u = {text(value)}",
+    "dirichlet": lambda value: f"u = {text(_free(value))}",
     "neumann": lambda value: f"k ∂u/∂n = {text(value)}",
     "robin": _robin,
+    "traction": lambda value: f"σn = {text(value)}",
+    "pressure": lambda value: f"σn = −({text(value)}) n",
+    "slip": lambda _: "u·n = 0",
+    "clamped": lambda data: f"w = {text(data.get('value', 0))}, ∂w/∂n = {text(data.get('slope', 0))}",
+    "simply_supported": lambda data: f"w = {text(data.get('value', 0))}, M = {text(data.get('moment', 0))}",
+    "free": lambda data: f"M = {text(data.get('moment', 0))}, V = {text(data.get('shear', 0))}",
 }
 """How each condition is written."""
 

@@ -7,12 +7,34 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from rfm.app.schema.base import Strict
-from rfm.app.schema.scalars import Corners, Positive, Truth, choice, fail, integer, scope_of, shown
+from rfm.app.schema.scalars import (
+    Corners,
+    Positive,
+    Truth,
+    choice,
+    fail,
+    integer,
+    positive,
+    scope_of,
+    shown,
+    within,
+)
 from rfm.app.source import nearest
 from rfm.errors import RfmError
 
-BASES = ("web-spline", "b-spline")
-LINEAR_SOLVERS = ("auto", "dense", "superlu", "pardiso", "cg", "amg")
+BASES = {
+    "web-spline": (1, 8),
+    "b-spline": (1, 8),
+    "chebyshev": (1, 40),
+    "legendre": (1, 40),
+    "trigonometric": (1, 40),
+    "radial": (1, 3),
+}
+"""Lowest and highest degree of each basis."""
+HIGHEST = max(highest for _, highest in BASES.values())
+METHODS = ("ritz", "least-squares", "galerkin", "collocation")
+LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "amg", "qr", "gmres")
+CONDITIONS = ("natural", "exact")
 DEFAULT_GRID = 32
 
 
@@ -33,13 +55,30 @@ def _weight(value: Any) -> str:
 Weight = Annotated[str, BeforeValidator(_weight), WithJsonSchema({"type": "string"})]
 
 
+def _degree(value: Any, info: ValidationInfo) -> int:
+    basis = info.data.get("basis")
+    lowest, highest = BASES[basis] if basis else (1, HIGHEST)  # a basis that is wrong has its own error
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise fail(f"must be a whole number from {lowest} to {highest}, got {shown(value)}")
+    if not lowest <= value <= highest:
+        raise fail(f"must be from {lowest} to {highest}, got {value} (basis: {basis})")
+    return value
+
+
+Degree = Annotated[
+    int,
+    BeforeValidator(_degree),
+    WithJsonSchema({"type": "integer", "minimum": 1, "maximum": HIGHEST}),
+]
+
+
 class Discretization(Strict):
-    """Splines on a uniform grid of cells."""
+    """The basis of the unknown on a uniform grid of cells."""
 
     refused: ClassVar[dict[str, str]] = {"singular": "singular functions are not available; remove the key"}
 
-    basis: choice(*BASES) = Field(default="web-spline", description="spline basis")  # type: ignore[valid-type]
-    degree: integer(1, 8) = Field(default=3, description="degree of the splines")  # type: ignore[valid-type]
+    basis: choice(*BASES) = Field(default="web-spline", description="basis of the unknown")  # type: ignore[valid-type]
+    degree: Degree = Field(default=3, description="degree, as the basis counts it")
     grid: integer(1, 100_000) | None = Field(  # type: ignore[valid-type]
         default=None, description=f"cells along the longest side of the box ({DEFAULT_GRID} without spacing)"
     )
@@ -62,17 +101,35 @@ class Discretization(Strict):
         return self
 
 
+def _weights(value: Any, info: ValidationInfo) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise fail(f"must be a list of numbers, one for each equation, got {shown(value)}")
+    return tuple(within(i, positive, item, info) for i, item in enumerate(value))
+
+
+Weights = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_weights),
+    WithJsonSchema({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 1}),
+]
+
+
 class Solver(Strict):
     """The method and its linear solver."""
 
-    refused: ClassVar[dict[str, str]] = {
-        "conditions": "is not available: Dirichlet conditions are exact and the others natural; remove the key",
-    }
-
-    method: choice(  # type: ignore[valid-type]
-        "ritz", missing={"least-squares": "the method least-squares is not available; the methods are: ritz"}
-    ) = Field(default="ritz", description="ritz: least energy")
+    method: choice(*METHODS) = Field(  # type: ignore[valid-type]
+        default="ritz", description="what determines the splines: least energy, least residual, or weak form"
+    )
+    weights: Weights | None = Field(
+        default=None, description="least-squares: weight of the residual of each equation"
+    )
+    boundary_weight: Positive | None = Field(
+        default=None, description="least-squares: factor of the weights of natural conditions"
+    )
     linear: choice(*LINEAR_SOLVERS) = Field(  # type: ignore[valid-type]
         default="auto", description="linear solver"
+    )
+    conditions: choice(*CONDITIONS) = Field(  # type: ignore[valid-type]
+        default="natural", description="flux conditions through the functional, or exact by the structure"
     )
     tolerance: Positive = Field(default=1e-12, description="relative residual of iterative linear solvers")

@@ -24,6 +24,9 @@ DOMAIN = "domain"
 QUANTITIES = ("flux", "area")
 """What an integral can be of besides an expression."""
 
+UNKNOWNS = ("u", "ux", "uy", "uz")
+"""Names of the unknown in an integrand: u of a scalar, the others of a vector."""
+
 
 class Expectation(Strict):
     """An upper limit, or a value with a tolerance to either side."""
@@ -77,7 +80,7 @@ class Study(Strict):
     """Grids and degrees of `rfm study`; the value of the discretization where one is not given."""
 
     grid: whole_numbers(1, 100_000) | None = None  # type: ignore[valid-type]
-    degree: whole_numbers(1, 8) | None = None  # type: ignore[valid-type]
+    degree: whole_numbers(1, 40) | None = None  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _something(self) -> Study:
@@ -93,7 +96,9 @@ def _integrand(value: Any, info: ValidationInfo) -> Expression | str:
         raise fail(f"must be {', '.join(QUANTITIES)} or an expression, got {shown(value)}")
     scope = scope_of(info)
     try:
-        expression = Expression(str(value), scope.parameters, (*scope.coordinates(), "u"), scope.absent())
+        expression = Expression(
+            str(value), scope.parameters, (*scope.coordinates(), *UNKNOWNS), scope.absent()
+        )
     except ExpressionError as error:
         raise fail(error.message, offset=error.offset) from None
     if expression.is_condition:
@@ -111,8 +116,12 @@ class Integral(Strict):
         Expression | str,
         BeforeValidator(_integrand),
         WRITTEN,
-        WithJsonSchema({"type": ["string", "number"], "description": "flux, area, or expression with u"}),
-    ] = Field(description="flux (k du/dn), area, or an expression of the coordinates and u")
+        WithJsonSchema(
+            {"type": ["string", "number"], "description": "flux, area, or expression with u (ux, uy, uz)"}
+        ),
+    ] = Field(
+        description="flux (k du/dn, sigma n), area, or an expression of the coordinates and u (ux, uy, uz)"
+    )
 
     @model_validator(mode="after")
     def _meaningful(self) -> Integral:

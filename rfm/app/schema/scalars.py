@@ -137,7 +137,8 @@ _NUMBER_SCHEMA = WithJsonSchema(
 )
 
 Number = Annotated[float, BeforeValidator(_number), _NUMBER_SCHEMA]
-Positive = Annotated[float, BeforeValidator(_bounded(lambda v: v > 0, "positive")), _NUMBER_SCHEMA]
+positive = _bounded(lambda v: v > 0, "positive")
+Positive = Annotated[float, BeforeValidator(positive), _NUMBER_SCHEMA]
 NonNegative = Annotated[float, BeforeValidator(_bounded(lambda v: v >= 0, "at least 0")), _NUMBER_SCHEMA]
 
 
@@ -225,7 +226,8 @@ Corners = Annotated[
 # Expressions --------------------------------------------------------------------------------------
 
 
-def _datum(value: Any, info: ValidationInfo) -> Expression:
+def validate_datum(value: Any, info: ValidationInfo) -> Expression:
+    """Validate a number or an expression of the coordinates."""
     text = _text(value, "a number or an expression")
     expression = _expression(text, info, scope_of(info).coordinates())
     if expression.is_condition:
@@ -234,7 +236,7 @@ def _datum(value: Any, info: ValidationInfo) -> Expression:
 
 
 def _datum_or_exact(value: Any, info: ValidationInfo) -> Expression | str:
-    return FROM_EXACT if value == FROM_EXACT else _datum(value, info)
+    return FROM_EXACT if value == FROM_EXACT else validate_datum(value, info)
 
 
 def _comparison(value: Any, info: ValidationInfo) -> Expression:
@@ -246,7 +248,7 @@ def _comparison(value: Any, info: ValidationInfo) -> Expression:
     return expression
 
 
-def _written(value: Expression | str) -> str | float:
+def written(value: Expression | str) -> str | float:
     """Write a plain number as a number, everything else as text."""
     if isinstance(value, str):
         return value
@@ -257,13 +259,13 @@ def _written(value: Expression | str) -> str | float:
     return int(number) if number.is_integer() and abs(number) < 2**53 else number
 
 
-WRITTEN = PlainSerializer(_written, return_type=Any)
+WRITTEN = PlainSerializer(written, return_type=Any)
 _DATUM_SCHEMA = WithJsonSchema({"type": ["number", "string"], "description": "number or expression"})
 _EXACT_SCHEMA = WithJsonSchema(
     {"type": ["number", "string"], "description": "number, expression, or 'from exact'"}
 )
 
-Datum = Annotated[Expression, BeforeValidator(_datum), WRITTEN, _DATUM_SCHEMA]
+Datum = Annotated[Expression, BeforeValidator(validate_datum), WRITTEN, _DATUM_SCHEMA]
 DatumOrExact = Annotated[
     Expression | Literal["from exact"], BeforeValidator(_datum_or_exact), WRITTEN, _EXACT_SCHEMA
 ]

@@ -1,0 +1,167 @@
+"""Equations and conditions of a case as the values that the solvers take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rfm.app.case import Case
+from rfm.app.expressions import Expression
+from rfm.app.schema.scalars import FROM_EXACT
+from rfm.app.yaml_reader import Path
+from rfm.calculus.types import Field
+from rfm.errors import RfmError
+
+if TYPE_CHECKING:
+    from rfm.geometry.part import Part
+    from solvers.equations.equation import Equation
+    from solvers.exact import Exact
+    from solvers.problem import Condition, FromExact
+
+
+def build_equation(case: Case) -> Equation:
+    """Equation of a case.
+
+    Raises
+    ------
+    CaseError
+        A number is out of its range.
+    """
+    name = case.equation.name
+    path: Path = ("equation", name)
+    try:
+        return EQUATIONS[name](case, path)
+    except RfmError as error:
+        key, _, message = str(error).partition(" ")
+        if key in type(case.equation.data).model_fields:
+            raise case.error((*path, key), message) from error
+        raise
+
+
+def build_condition(case: Case, index: int, part: Part) -> Condition:
+    """Condition of a case on its part."""
+    given = case.boundary_conditions[index]
+    path: Path = ("boundary_conditions", index, given.kind)
+    return CONDITIONS[given.kind](case, getattr(given, given.kind), path, part)
+
+
+def build_exact(case: Case) -> Exact | None:
+    """Exact solution of a case, a tuple of fields for a vector."""
+    if isinstance(case.exact, tuple):
+        return tuple(item.field(case.dimension, ("exact", i)) for i, item in enumerate(case.exact))
+    return case.exact.field(case.dimension, ("exact",)) if case.exact is not None else None
+
+
+def datum(case: Case, expression: Expression | str, path: Path) -> Field | float:
+    """Number where the expression is constant, else its field."""
+    if isinstance(expression, str):
+        raise TypeError(f"{expression!r} is no expression")
+    constant = expression.constant
+    return float(constant) if constant is not None else expression.field(case.dimension, path)
+
+
+def value(case: Case, given: Any, path: Path) -> Any:
+    """Datum, 'from exact', nothing, or a tuple of such."""
+    from solvers.problem import FROM_EXACT as TAKEN_FROM_EXACT
+
+    if isinstance(given, tuple):
+        return tuple(value(case, item, (*path, i)) for i, item in enumerate(given))
+    if given is None:
+        return None
+    taken: FromExact = TAKEN_FROM_EXACT
+    return taken if given == FROM_EXACT else datum(case, given, path)
+
+
+def _poisson(case: Case, path: Path) -> Equation:
+    from solvers.equations.poisson import Poisson
+
+    data = case.equation.poisson
+    if data is None:
+        raise TypeError("the case is none of poisson")
+    return Poisson(
+        source=None if data.source == FROM_EXACT else datum(case, data.source, (*path, "source")),
+        conductivity=datum(case, data.conductivity, (*path, "conductivity")),
+        reaction=datum(case, data.reaction, (*path, "reaction")),
+        advection=value(case, data.advection, (*path, "advection")),
+    )
+
+
+def _elasticity(case: Case, path: Path) -> Equation:
+    from solvers.equations.elasticity import Elasticity
+
+    data = case.equation.elasticity
+    if data is None:
+        raise TypeError("the case is none of elasticity")
+    force = data.body_force if data.body_force is not None else (Expression("0"),) * case.dimension
+    return Elasticity(
+        model=str(data.model),
+        young_modulus=datum(case, data.young_modulus, (*path, "young_modulus")),
+        poisson_ratio=datum(case, data.poisson_ratio, (*path, "poisson_ratio")),
+        body_force=None if force == FROM_EXACT else value(case, force, (*path, "body_force")),
+    )
+
+
+def _plate(case: Case, path: Path) -> Equation:
+    from solvers.equations.plate import Plate
+
+    data = case.equation.plate
+    if data is None:
+        raise TypeError("the case is none of plate")
+    return Plate(
+        stiffness=datum(case, data.stiffness, (*path, "stiffness")),
+        poisson_ratio=data.poisson_ratio,
+        load=None if data.load == FROM_EXACT else datum(case, data.load, (*path, "load")),
+    )
+
+
+EQUATIONS: dict[str, Callable[[Case, Path], Equation]] = {
+    "poisson": _poisson,
+    "elasticity": _elasticity,
+    "plate": _plate,
+}
+"""What builds each equation."""
+
+
+def _plain(name: str) -> Callable[[Case, Any, Path, Part], Condition]:
+    """Builder of a condition with one datum."""
+
+    def build(case: Case, given: Any, path: Path, part: Part) -> Condition:
+        from solvers import problem
+
+        condition: Condition = getattr(problem, name)(part, value(case, given, path))
+        return condition
+
+    return build
+
+
+def _with_keys(name: str) -> Callable[[Case, Any, Path, Part], Condition]:
+    """Builder of a condition with data by name."""
+
+    def build(case: Case, given: Any, path: Path, part: Part) -> Condition:
+        from solvers import problem
+
+        data = {key: value(case, item, (*path, key)) for key, item in given}
+        condition: Condition = getattr(problem, name)(part, **data)
+        return condition
+
+    return build
+
+
+def _slip(case: Case, given: Any, path: Path, part: Part) -> Condition:
+    from solvers.problem import Slip
+
+    return Slip(part)
+
+
+CONDITIONS: dict[str, Callable[[Case, Any, Path, Part], Condition]] = {
+    "dirichlet": _plain("Dirichlet"),
+    "neumann": _plain("Neumann"),
+    "robin": _with_keys("Robin"),
+    "traction": _plain("Traction"),
+    "pressure": _plain("Pressure"),
+    "slip": _slip,
+    "clamped": _with_keys("Clamped"),
+    "simply_supported": _with_keys("SimplySupported"),
+    "free": _with_keys("Free"),
+}
+"""What builds each condition."""

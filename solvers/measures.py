@@ -1,0 +1,76 @@
+"""What a field is worth: its energy, which the Ritz method makes as small as it can, and its errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfm.calculus.types import Array
+from solvers.background import Background
+from solvers.boundary import boundary_batches, natural_density, outward
+from solvers.equations.density import QuadraticDensity
+from solvers.exact import exact_jet
+from solvers.norms import ErrorNorms, ErrorSums, norm_batches
+from solvers.problem import Problem
+from solvers.solution import Trial
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Error norms and relative error in the energy norm (None without an exact solution), and energy of a field."""
+
+    norms: ErrorNorms | None
+    energy_norm: float | None
+    energy: float
+
+
+def measure(problem: Problem, trial: Trial, background: Background) -> Measures:
+    """Error norms and energy (of the domain and the natural boundary conditions) in one pass over the domain."""
+    equation, exact = problem.equation, problem.exact
+    components = equation.components(background.grid.dimension)
+    sums, total, lost, size = ErrorSums(components), 0.0, 0.0, 0.0
+    order = max(1, equation.order)
+    for batch in norm_batches(background, trial.degree):
+        coords = batch.points(background.grid)
+        jet = trial.jet(batch, order)
+        density = equation.density(coords, exact)
+        total += integral(density_values(density, jet), batch.weights)
+        if exact is not None:
+            truth = exact_jet(exact, coords, order)
+            difference = jet - truth
+            elastic = QuadraticDensity(density.hessian, {})
+            lost += integral(density_values(elastic, difference), batch.weights)
+            size += integral(density_values(elastic, truth), batch.weights)
+            first = first_order(len(jet), components, background.grid.dimension)
+            sums.add(difference[first], truth[first], batch.weights)
+    for condition, batch in boundary_batches(problem, background.rules.boundary, background.grid):
+        natural = natural_density(problem, condition, batch.points(background.grid), outward(batch))
+        if natural is not None:
+            total += integral(density_values(natural, trial.jet(batch, order - 1)), batch.weights)
+    if exact is None:
+        return Measures(None, None, total)
+    return Measures(sums.norms(), float(np.sqrt(abs(lost) / (abs(size) or 1.0))), total)
+
+
+def integral(values: Array, weights: Array) -> float:
+    """Sum of values times weights, over the nodes that count."""
+    return float(np.sum(np.where(weights != 0, values, 0.0) * weights))
+
+
+def first_order(rows: int, components: int, dimension: int) -> slice | list[int]:
+    """Positions of the jets of order 1 in those of a higher order."""
+    width = rows // components
+    if components == 1:
+        return slice(dimension + 1)
+    return [c * width + k for c in range(components) for k in range(dimension + 1)]
+
+
+def density_values(density: QuadraticDensity, jet: Array) -> Array:
+    """``1/2 v.H v - l.v`` at points, for the jet v of shape (n_beta, ...)."""
+    value = np.zeros(jet.shape[1:])
+    for (row, column), entry in density.hessian.items():
+        value += (0.5 if row == column else 1.0) * entry * jet[row] * jet[column]
+    for row, entry in density.linear.items():
+        value -= entry * jet[row]
+    return value

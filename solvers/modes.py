@@ -1,0 +1,70 @@
+"""How conditions that are not essential are met: by the functional, or by the structure.
+
+``natural`` leaves flux conditions to the functional; ``exact`` builds them into the structure.  Both are siblings in
+:data:`MODES`; what comes after them only sees a :class:`solvers.setting.Setting`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from rfm.errors import DiscretizationError
+from solvers.background import Background
+from solvers.essential import essential_structure
+from solvers.exact_mode import Exact
+from solvers.grid import Grid
+from solvers.problem import Discretization, Problem
+from solvers.setting import Region, Setting, Structure
+
+
+class Mode(Protocol):
+    """A way to meet the conditions."""
+
+    def require(self, discretization: Discretization, order: int) -> None:
+        """Refuse splines too rough for a functional with derivatives of `order`."""
+        ...
+
+    def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
+        """Structure of a problem: all that is needed to evaluate stored splines."""
+        ...
+
+    def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
+        """All that assembly needs."""
+        ...
+
+
+@dataclass(frozen=True)
+class Natural:
+    """Essential conditions by structure, the others through the functional."""
+
+    def require(self, discretization: Discretization, order: int) -> None:
+        """Nothing beyond what the method asks for."""
+
+    def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
+        """Structure of the essential conditions."""
+        return essential_structure(problem, discretization.weight)
+
+    def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
+        """One space for all components, one region."""
+        structure = self.structure(problem, discretization, background.grid)
+        return Setting(structure, (background.space,) * len(structure), (Region(structure, background),))
+
+
+MODES: dict[str, Mode] = {"natural": Natural(), "exact": Exact()}
+"""The modes by name."""
+
+
+def mode_of(discretization: Discretization) -> Mode:
+    """Mode of a discretisation.
+
+    Raises
+    ------
+    DiscretizationError
+        There is no such mode.
+    """
+    if discretization.conditions not in MODES:
+        raise DiscretizationError(
+            f"unknown conditions {discretization.conditions!r}: choose one of {', '.join(MODES)}"
+        )
+    return MODES[discretization.conditions]

@@ -1,0 +1,1 @@
+"""The catalogue of solution structures: one file for every kind of boundary condition."""

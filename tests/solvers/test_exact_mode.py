@@ -1,0 +1,238 @@
+"""Exact mode: every condition holds to rounding, at the order and nearly the error of the natural mode."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rfm.calculus.functions import cos, exp, sin
+from rfm.errors import DiscretizationError
+from rfm.geometry.primitives import ball, disk, rectangle
+from solvers import ritz
+from solvers.background import prepare
+from solvers.collar import collar_space
+from solvers.corner_rules import corner_rule
+from solvers.equations.elasticity import Elasticity
+from solvers.equations.plate import Plate
+from solvers.equations.poisson import Poisson
+from solvers.flux_collars import LENGTH, ROOM, collars_of
+from solvers.grid import Grid
+from solvers.modes import mode_of
+from solvers.norms import boundary_errors, error_norms
+from solvers.problem import (
+    FROM_EXACT,
+    Dirichlet,
+    Discretization,
+    Free,
+    Neumann,
+    Pressure,
+    Problem,
+    Robin,
+    Traction,
+)
+from solvers.stopwatch import Stopwatch
+
+ANNULUS = disk(center=(0.5, 0.5), radius=0.4).named("outer") - disk(center=(0.5, 0.5), radius=0.1).named(
+    "inner"
+)
+PLATE = rectangle(min=(0, 0), max=(1.2, 1)).named("r")
+SHELL = ball(center=(0, 0, 0), radius=1.0).named("outer") - ball(center=(0, 0, 0), radius=0.4).named("inner")
+
+MIXED = Problem(
+    ANNULUS,
+    Poisson(source=None),
+    (
+        Dirichlet(ANNULUS.part("inner"), lambda x, y: 1 + 0.5 * x - y),
+        Neumann(ANNULUS.part("outer"), FROM_EXACT),
+    ),
+    exact=lambda x, y: 1 + 0.5 * x - y + 4 * ((x - 0.5) ** 2 + (y - 0.5) ** 2 - 0.01) * exp(x) * sin(3 * y),
+)
+FOUR = Problem(
+    PLATE,
+    Poisson(source=None, conductivity=lambda x, y: 1 + 0.3 * x * y),
+    (
+        Dirichlet(PLATE.part("r.left"), lambda x, y: cos(2 * y + 0.4)),
+        Neumann(PLATE.part("r.bottom"), FROM_EXACT),
+        Robin(PLATE.part("r.right"), lambda x, y: 2 + y, FROM_EXACT),
+        Neumann(PLATE.part("r.top"), FROM_EXACT),
+    ),
+    exact=lambda x, y: exp(0.5 * x) * cos(2 * y + 0.4) + x * y * y,
+)
+THREE_D = Problem(
+    SHELL,
+    Poisson(source=None),
+    (
+        Dirichlet(SHELL.part("inner"), lambda x, y, z: 1 + x * z),
+        Robin(SHELL.part("outer"), 2.0, FROM_EXACT),
+    ),
+    exact=lambda x, y, z: 1 + x * z + (x * x + y * y + z * z - 0.16) * exp(0.5 * x) * sin(y + 0.4) * cos(z),
+)
+
+
+def solve(problem, degree, grid, conditions="exact", **more):
+    return ritz.solve(problem, Discretization(degree=degree, grid=grid, conditions=conditions, **more))
+
+
+def error(solution):
+    return error_norms(solution.trial, solution.problem.exact, solution.background).l2
+
+
+def residual(solution):
+    return max(boundary_errors(solution.problem, solution.trial, solution.background).values())
+
+
+@pytest.mark.parametrize(
+    ("problem", "degree", "grids"),
+    [
+        (MIXED, 2, (32, 48)),
+        (MIXED, 3, (24, 36)),
+        (MIXED, 4, (24, 36)),
+        (FOUR, 2, (24, 36)),
+        (FOUR, 3, (24, 36)),
+    ],
+)
+def test_as_accurate_as_the_natural_mode(problem, degree, grids):
+    solutions = [solve(problem, degree, grid) for grid in grids]
+    assert max(residual(s) for s in solutions) < 1e-12
+    errors = [error(s) for s in solutions]
+    for grid, e in zip(grids, errors, strict=True):
+        assert e < 2 * error(solve(problem, degree, grid, "natural"))
+    order = np.log(errors[0] / errors[1]) / np.log(grids[1] / grids[0])
+    assert order > degree + 1 - 0.3
+
+
+def test_degree_five():
+    solution = solve(MIXED, 5, 24)
+    assert error(solution) < 2 * error(solve(MIXED, 5, 24, "natural"))
+    assert residual(solution) < 1e-12
+
+
+def test_shell():
+    solution = solve(THREE_D, 2, 6)
+    assert residual(solution) < 1e-11
+    assert error(solution) < 2 * error(solve(THREE_D, 2, 6, "natural"))
+
+
+def test_pieces_of_one_circle():
+    """Exchange on the right half, flux on the left: the windows meet in the middle of a smooth arc."""
+    problem = Problem(
+        ANNULUS,
+        Poisson(source=None),
+        (
+            Dirichlet(ANNULUS.part("inner"), FROM_EXACT),
+            Robin(ANNULUS.part("outer").restricted(lambda x, y: x - 0.5), 2.0, FROM_EXACT),
+            Neumann(ANNULUS.part("outer").restricted(lambda x, y: 0.5 - x), FROM_EXACT),
+        ),
+        exact=MIXED.exact,
+    )
+    solution = solve(problem, 3, 24)
+    assert residual(solution) < 1e-10
+    assert error(solution) < 2 * error(solve(problem, 3, 24, "natural"))
+
+
+def test_given_flux_and_pure_neumann():
+    problem = Problem(
+        ANNULUS,
+        Poisson(source=None),
+        (Neumann(ANNULUS.part("all"), FROM_EXACT),),
+        exact=MIXED.exact,
+    )
+    solution = solve(problem, 3, 24)
+    assert residual(solution) < 1e-11
+    assert error(solution) < 2 * error(solve(problem, 3, 24, "natural"))
+    given = Problem(
+        PLATE,
+        Poisson(source=-2.0),
+        (
+            Dirichlet(PLATE.part("r.left"), 0.0),
+            Neumann(PLATE.part("r.right"), lambda x, y: 2.4 + 0 * y),
+            Neumann(PLATE.part("r.bottom") | PLATE.part("r.top"), 0.0),
+        ),
+        exact=lambda x, y: x * x,
+    )
+    solution = solve(given, 2, 8)
+    assert residual(solution) < 1e-12
+    assert error(solution) < 5e-6  # w chi psi_m is no polynomial
+
+
+@pytest.mark.parametrize("load", ["traction", "pressure"])
+def test_elasticity(load):
+    displacement = (
+        lambda x, y: sin(1.3 * x + 0.4 * y) + 0.2 * x * y,
+        lambda x, y: cos(0.7 * x - 1.1 * y) * exp(0.3 * y),
+    )
+    held = Dirichlet(ANNULUS.part("inner"), FROM_EXACT)
+    if load == "traction":
+        problem = Problem(
+            ANNULUS,
+            Elasticity("plane_strain", 2.0, 0.3, None),
+            (held, Traction(ANNULUS.part("outer"), FROM_EXACT)),
+            exact=displacement,
+        )
+        solution = solve(problem, 3, 12)
+        assert error(solution) < 2 * error(solve(problem, 3, 12, "natural"))
+    else:
+        problem = Problem(
+            ANNULUS,
+            Elasticity("plane_stress", 2.0, 0.3),
+            (Dirichlet(ANNULUS.part("inner"), 0.0), Pressure(ANNULUS.part("outer"), lambda x, y: 1 + x)),
+        )
+        solution = solve(problem, 3, 12)
+    assert residual(solution) < 1e-11
+
+
+def test_condition_number_is_reported():
+    solution = solve(MIXED, 3, 16)
+    assert 1e2 < solution.linear.condition < 1e8
+    assert solve(MIXED, 3, 16, "natural").linear.condition is None
+    assert solution.dofs > solution.background.space.n_dofs
+
+
+def test_only_essential_conditions_change_nothing():
+    problem = Problem(
+        ANNULUS, Poisson(source=None), (Dirichlet(ANNULUS.part("all"), FROM_EXACT),), MIXED.exact
+    )
+    exact, natural = (solve(problem, 3, 12, mode) for mode in ("exact", "natural"))
+    assert np.array_equal(exact.linear.x, natural.linear.x)
+
+
+def test_collars_fit_between_the_parts():
+    (wide,), (narrow,) = collars_of(MIXED, 0.02), collars_of(MIXED, 0.2)
+    assert wide.length == pytest.approx(LENGTH * 0.02)
+    assert wide.others == ()
+    assert narrow.length == pytest.approx(0.1875 / ROOM)  # w = 0.1875 on the inner circle
+    assert len(narrow.others) == 1
+    bottom = collars_of(FOUR, 0.02)[0]
+    assert bottom.length == pytest.approx(LENGTH * 0.02)
+    assert len(bottom.meeting) == 2
+
+
+def test_collar_space_is_a_strip_of_the_space():
+    background = prepare(ANNULUS, Discretization(degree=3, grid=32), Stopwatch())
+    (collar,) = collars_of(MIXED, 0.025)
+    space = collar_space(background, "web-spline", 2, collar.condition.w, 0.05)
+    assert 0 < space.n_dofs < background.space.n_dofs / 2
+    assert not len(space.free.exposed)
+
+
+def test_corner_rule_integrates_what_has_no_limit():
+    """x^2 / (x^2 + y^2) over the unit square is 1/2 by symmetry."""
+    square = rectangle(min=(0, 0), max=(1, 1)).named("s")
+    grid = Grid(np.zeros(2), np.ones(2), np.ones(2, dtype=int))
+    pair = (lambda x, y: x, lambda x, y: y)
+    rule = corner_rule(square, grid, np.zeros((1, 2), dtype=int), [pair], 12).padded()
+    x, y = rule.points(grid)
+    counted = rule.weights > 0
+    value = (rule.weights[counted] * x[counted] ** 2 / (x[counted] ** 2 + y[counted] ** 2)).sum()
+    assert value == pytest.approx(0.5, abs=1e-10)
+    assert rule.weights.sum() == pytest.approx(1.0, abs=1e-13)
+
+
+def test_refusals_name_the_remedy():
+    with pytest.raises(DiscretizationError, match="degree 2 or more"):
+        solve(MIXED, 1, 16)
+    with pytest.raises(DiscretizationError, match="natural, exact"):
+        mode_of(Discretization(conditions="strong"))
+    plate = Problem(PLATE, Plate(), (Free(PLATE.part("all")),))
+    with pytest.raises(DiscretizationError, match="conditions: natural"):
+        collars_of(plate, 0.1)
