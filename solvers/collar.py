@@ -124,7 +124,7 @@ def rows_of(batch: TensorBatch, chosen: Mask) -> TensorBatch:
 def corner_cells(
     grid: Grid, cells: Integers, pairs: Sequence[tuple[Field, Field]], slack: float = 1.6
 ) -> Mask:
-    """Which of the cells (n, d) may hold a common zero of one of the pairs of functions, or lie beside one that does."""
+    """Which of the cells (n, d) may hold a common zero of one of the pairs of functions, or lie beside it."""
     radius = slack * half_diagonal(grid)
     found = np.zeros(len(cells), dtype=bool)
     for first, second in pairs:

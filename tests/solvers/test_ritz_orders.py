@@ -150,9 +150,7 @@ def test_natural_conditions_converge():
         Neumann(left, FROM_EXACT),
         Robin(right, 2.0, FROM_EXACT),
     )
-    problem = Problem(
-        ANNULUS, Poisson(source=None, conductivity=lambda x, y: 1 + x * y), conditions, exact=u
-    )
+    problem = Problem(ANNULUS, Poisson(source=None, conductivity=lambda x, y: 1 + x * y), conditions, exact=u)
     residuals, errors = [], []
     for grid in (16, 32, 64):
         solution = solve(problem, 3, grid)
