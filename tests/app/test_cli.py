@@ -209,8 +209,9 @@ def test_version():
 def test_interrupted_process_leaves_nothing(folder):
     """A signal in the middle of a run: exit code 130, no file."""
     code = (
-        "import os, signal, rfm.app.run as run\n"
-        "run.compute = lambda *a: os.kill(os.getpid(), signal.SIGINT)\n"
+        "import os, signal, time, rfm.app.run as run\n"
+        # the signal may reach another thread first, so the solve goes on until it is delivered
+        "run.compute = lambda *a: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
         "from rfm.app.cli import main\nmain()"
     )
     done = subprocess.run(
