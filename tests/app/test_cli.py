@@ -210,6 +210,8 @@ def test_interrupted_process_leaves_nothing(folder):
     """A signal in the middle of a run: exit code 130, no file."""
     code = (
         "import os, signal, time, rfm.app.run as run\n"
+        # a process started in the background may have been told to ignore the signal
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         # the signal may reach another thread first, so the solve goes on until it is delivered
         "run.compute = lambda *a: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
         "from rfm.app.cli import main\nmain()"
