@@ -14,7 +14,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 export PYVISTA_OFF_SCREEN ?= true
 
-.PHONY: help run test test-slow lint format types layers notebooks pair bench gallery lock clean
+.PHONY: help run test test-slow lint format types layers notebooks pair bench gallery figures lock clean
 .DEFAULT_GOAL := help
 
 help:  ## list the commands
@@ -54,6 +54,9 @@ bench: $(VENV)/.installed-bench  ## time rfm beside scikit-fem on gmsh meshes
 
 gallery: $(STAMP)  ## render docs/gallery from the cases
 	$(BIN)/python docs/render_gallery.py
+
+figures: $(STAMP)  ## render docs/pictures, the figures of the theory pages
+	$(BIN)/python docs/render_figures.py
 
 lock:  ## write the locks anew (needs uv)
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --upgrade --quiet \

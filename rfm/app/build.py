@@ -13,8 +13,9 @@ from rfm.app.covering import assign_parts
 from rfm.app.expressions.nodes import polynomial_degree
 from rfm.app.formulation import build_condition, build_equation, build_exact
 from rfm.app.schema.discretization import DEFAULT_GRID
+from rfm.app.schema.primitives import Function
 from rfm.app.schema.results import DOMAIN
-from rfm.app.schema.shapes import Function, Rotation, ShapeSpec
+from rfm.app.schema.shapes import Rotation, ShapeSpec
 from rfm.app.yaml_reader import Path
 from rfm.errors import CaseError, RfmError
 
