@@ -10,30 +10,26 @@ outside left out, the error under natural conditions jumps by a factor of ten fr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from rfm.calculus.types import Array
 from solvers.background import Background
 from solvers.equations.equation import Equation
-from solvers.equations.squares import SquaredDensity
-from solvers.least_squares import LeastSquares, energy_load
+from solvers.least_squares import energy_load
 from solvers.pipeline import Assembly
-from solvers.problem import Condition, Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
 from solvers.row_assembly import CHUNK, RowAssembler
 from solvers.stopwatch import Stopwatch
+from solvers.strong_residuals import StrongResiduals
 from solvers.systems import RowsSystem
 from structures.jet_matrix import stacked
 
 
 @dataclass(frozen=True)
-class Collocation:
-    """Strong residuals at more points than unknowns, as small as possible.
-
-    See :class:`solvers.method.Method`.
+class Collocation(StrongResiduals):
+    """Strong residuals at more points than unknowns, as small as possible, see :class:`solvers.method.Method`.
 
     Attributes
     ----------
@@ -47,37 +43,6 @@ class Collocation:
     def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
         """There are only rows."""
         return ("qr",)
-
-    def refusal(self, equation: Equation) -> str | None:
-        """Every equation has a residual."""
-        return None
-
-    def order(self, problem: Problem) -> int:
-        """Highest derivative in the residual."""
-        return problem.equation.strong_order
-
-    def boundary_order(self, problem: Problem) -> int:
-        """Highest derivative in a boundary condition."""
-        return problem.equation.flux_order
-
-    def symmetric(self, problem: Problem) -> bool:
-        """There is no square matrix; the squares of the rows are symmetric."""
-        return True
-
-    def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> SquaredDensity:
-        """Strong residuals."""
-        return LeastSquares().volume(problem, coords, check=check)
-
-    def boundary(
-        self,
-        problem: Problem,
-        condition: Condition,
-        coords: Sequence[Array],
-        normals: Array,
-        spacing: float,
-    ) -> SquaredDensity | None:
-        """Residuals of a natural condition, with the weight of least squares."""
-        return LeastSquares().boundary(problem, condition, coords, normals, spacing)
 
     def system(self, assembly: Assembly, watch: Stopwatch) -> RowsSystem:
         """Rows at the points of the domain and of its boundary."""

@@ -15,91 +15,30 @@ it is estimated, and where it would cost digits the rows themselves are solved b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
 from solvers.block_assembly import BlockAssembler
 from solvers.equations.equation import Equation
-from solvers.equations.rows import Row
-from solvers.equations.squares import Square, SquaredDensity
 from solvers.linear import choice
 from solvers.pipeline import Assembly
-from solvers.problem import Condition, Dirichlet, Problem
 from solvers.ritz import Ritz
 from solvers.row_assembly import assemble_rows
 from solvers.stopwatch import Stopwatch
+from solvers.strong_residuals import StrongResiduals
 from solvers.systems import QR_WORK, RowsSystem, SquaresSystem, System
 
 
 @dataclass(frozen=True)
-class LeastSquares:
-    """Least weighted squares of the strong residuals, in the domain and of the natural conditions.
+class LeastSquares(StrongResiduals):
+    """Least weighted squares of the strong residuals, see :class:`solvers.method.Method`."""
 
-    See :class:`solvers.method.Method`.
-
-    Attributes
-    ----------
-    weights
-        Weight of the residual of each component; ones when absent.
-    boundary_weight
-        Factor of the weights of the natural conditions.
-    """
-
-    weights: tuple[float, ...] = ()
-    boundary_weight: float = 1.0
     name: str = "least-squares"
 
     def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
         """QR for the rows, the others for the normal equations."""
         return ("qr", *choice.METHODS)
-
-    def refusal(self, equation: Equation) -> str | None:
-        """Every equation has a residual."""
-        return None
-
-    def order(self, problem: Problem) -> int:
-        """Highest derivative in the residual."""
-        return problem.equation.strong_order
-
-    def boundary_order(self, problem: Problem) -> int:
-        """Highest derivative in a boundary condition."""
-        return problem.equation.flux_order
-
-    def symmetric(self, problem: Problem) -> bool:
-        """Squares are."""
-        return True
-
-    def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> SquaredDensity:
-        """Squares of the strong residuals."""
-        found = problem.equation.residual(coords, problem.exact, check=check)
-        weights = self.weights or (1.0,) * len(found)
-        return SquaredDensity(
-            tuple(Square(row, right, weight) for (row, right), weight in zip(found, weights, strict=True))
-        )
-
-    def boundary(
-        self,
-        problem: Problem,
-        condition: Condition,
-        coords: Sequence[Array],
-        normals: Array,
-        spacing: float,
-    ) -> SquaredDensity | None:
-        """Squares of a natural condition, scaled by the spacing."""
-        if isinstance(condition, Dirichlet):
-            return None
-        equation, dimension = problem.equation, len(coords)
-        found = equation.condition_rows(condition, coords, normals, problem.exact)
-        gaps = [equation.strong_order - row_order(row, equation.flux_order, dimension) for row, _ in found]
-        return SquaredDensity(
-            tuple(
-                Square(row, right, self.boundary_weight * spacing ** (1 - 2 * gap))
-                for (row, right), gap in zip(found, gaps, strict=True)
-            )
-        )
 
     def system(self, assembly: Assembly, watch: Stopwatch) -> System:
         """Normal equations, and the rows they stand for in case they are ill-conditioned.
@@ -123,9 +62,3 @@ def energy_load(assembly: Assembly, watch: Stopwatch) -> Array:
     assembler = BlockAssembler(assembly.assembler.spaces)
     load: Array = replace(assembly, method=Ritz(), assembler=assembler).run(watch)[1]
     return load
-
-
-def row_order(row: Row, order: int, dimension: int) -> int:
-    """Highest derivative among the entries of a row in the jet of order `order`."""
-    indices = multi_indices(dimension, order)
-    return max(sum(indices[position % len(indices)]) for position in row)

@@ -121,10 +121,10 @@ class Solver(Strict):
         default="ritz", description="what determines the splines: least energy, least residual, or weak form"
     )
     weights: Weights | None = Field(
-        default=None, description="least-squares: weight of the residual of each equation"
+        default=None, description="least-squares, collocation: weight of the residual of each equation"
     )
     boundary_weight: Positive | None = Field(
-        default=None, description="least-squares: factor of the weights of natural conditions"
+        default=None, description="least-squares, collocation: factor of the weights of natural conditions"
     )
     linear: choice(*LINEAR_SOLVERS) = Field(  # type: ignore[valid-type]
         default="auto", description="linear solver"
