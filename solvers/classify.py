@@ -16,8 +16,8 @@ import numpy as np
 
 from rfm.calculus.intervals import Interval
 from rfm.errors import GeometryError
+from rfm.geometry.logic import Logic, Mask, Signs
 from solvers.quadrature.boxes import children, initial_boxes, strict_signs
-from solvers.quadrature.logic import Logic, Mask, Signs
 from solvers.quadrature.sampling import corner_points, degree_of, relative_noise, values_at
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rfm.geometry.logic import Logic, Mask, Signs
 from solvers.quadrature import bernstein
-from solvers.quadrature.logic import Logic, Mask, Signs
 from solvers.quadrature.sampling import degree_of, sample
 
 if TYPE_CHECKING:

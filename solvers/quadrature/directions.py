@@ -24,9 +24,9 @@ from solvers.quadrature.traces import crosses
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
+    from rfm.geometry.logic import Mask
     from solvers.grid import Integers
     from solvers.quadrature.boxes import Boxes
-    from solvers.quadrature.logic import Mask
 
 STEADY = 2.5
 """Largest accepted ratio of derivatives along the height direction."""

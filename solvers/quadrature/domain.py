@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rfm.calculus.jets import partials
+from rfm.geometry.logic import Logic
 from rfm.geometry.surface import Surface
 from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.boxes import initial_boxes
-from solvers.quadrature.logic import Logic
 from solvers.quadrature.recursion import BoundaryPart, VolumePart, boundary_rule, volume_rule
 from solvers.quadrature.sampling import is_exact
 from solvers.quadrature.tensor import inner_rule

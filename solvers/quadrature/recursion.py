@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rfm.geometry.logic import Logic, Mask, Signs
 from solvers.quadrature import bernstein
 from solvers.quadrature.boxes import Boxes, children, merged, strict_signs
 from solvers.quadrature.directions import Choice, choose
-from solvers.quadrature.logic import Logic, Mask, Signs
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.surface import boundary_points
 from solvers.quadrature.tensor import tensor_weights

@@ -19,8 +19,8 @@ from solvers.quadrature.volume import Graphs, base_nodes, line_breaks
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
+    from rfm.geometry.logic import Mask
     from solvers.grid import Integers
-    from solvers.quadrature.logic import Mask
 
 
 @dataclass(frozen=True, eq=False)

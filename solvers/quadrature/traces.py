@@ -17,7 +17,7 @@ from solvers.quadrature.roots import real_roots
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
-    from solvers.quadrature.logic import Mask
+    from rfm.geometry.logic import Mask
 
 LINES = 5
 """Lines on which the maximum is sought."""

@@ -19,8 +19,8 @@ from solvers.quadrature.pieces import SHORTEST, broken, gauss
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
+    from rfm.geometry.logic import Mask
     from solvers.grid import Integers
-    from solvers.quadrature.logic import Mask
     from solvers.quadrature.pieces import Breaks
 
 

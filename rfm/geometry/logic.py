@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from rfm.geometry.expression import Expression
     from rfm.geometry.surface import Surface
-    from solvers.grid import Integers
 
 Signs = NDArray[np.int8]
 Mask = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 Visit = Callable[[Mask], None]
 
 
