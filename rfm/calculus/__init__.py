@@ -32,7 +32,24 @@ from rfm.calculus.functions import (
 )
 from rfm.calculus.intervals import Interval
 from rfm.calculus.jets import Jet, derivative, derivatives, gradient, multi_indices, partials, variables
-from rfm.calculus.r_systems import R0, R1, R0m, RAlpha, Rp, RSystem, equivalence, system
+from rfm.calculus.r_systems import (
+    R0,
+    R1,
+    R0m,
+    RAlpha,
+    RAlphaField,
+    RAlphaOf,
+    RNorm,
+    Rp,
+    RSum,
+    RSystem,
+    choice,
+    conditional_conjunction,
+    conditional_disjunction,
+    equivalence,
+    implication,
+    system,
+)
 from rfm.calculus.tri_state import TriState
 from rfm.calculus.types import Array, Field, Value
 
@@ -45,6 +62,10 @@ __all__ = [
     "Jet",
     "R0m",
     "RAlpha",
+    "RAlphaField",
+    "RAlphaOf",
+    "RNorm",
+    "RSum",
     "RSystem",
     "Rp",
     "TriState",
@@ -55,6 +76,9 @@ __all__ = [
     "asin",
     "atan",
     "atan2",
+    "choice",
+    "conditional_conjunction",
+    "conditional_disjunction",
     "cos",
     "cosh",
     "derivative",
@@ -64,6 +88,7 @@ __all__ = [
     "exp",
     "gradient",
     "hypot",
+    "implication",
     "log",
     "maximum",
     "minimum",

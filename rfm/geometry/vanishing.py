@@ -73,10 +73,11 @@ class Composition:
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates; every surface is evaluated once."""
         values = {surface: self.function(surface)(*coords) for surface in self.expression.surfaces()}
+        system = self.system.at(*coords)
         return self.expression.fold(
             lambda surface, positive: values[surface] if positive else -values[surface],
-            lambda terms: self.system.conjunction(*terms),
-            lambda terms: self.system.disjunction(*terms),
+            lambda terms: system.conjunction(*terms),
+            lambda terms: system.disjunction(*terms),
         )
 
 

@@ -125,7 +125,7 @@ class Joined:
 
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates."""
-        return self.system.conjunction(*(field(*coords) for field in self.fields))
+        return self.system.at(*coords).conjunction(*(field(*coords) for field in self.fields))
 
 
 def _one(*coords: Value) -> Value:

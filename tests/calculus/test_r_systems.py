@@ -8,11 +8,35 @@ from hypothesis import strategies as st
 from rfm.calculus import functions as fn
 from rfm.calculus.intervals import Interval
 from rfm.calculus.jets import Jet, partials, variables
-from rfm.calculus.r_systems import R0, R1, R0m, RAlpha, Rp, RSystem, equivalence, system
+from rfm.calculus.r_systems import (
+    R0,
+    R1,
+    R0m,
+    RAlpha,
+    RAlphaOf,
+    RNorm,
+    Rp,
+    RSum,
+    RSystem,
+    equivalence,
+    system,
+)
 from rfm.errors import GeometryError
 
-SYSTEMS: list[RSystem] = [R1(), R0, RAlpha(0.5), RAlpha(-0.5), R0m(1), R0m(2), R0m(3), Rp(2), Rp(4), Rp(6)]
-NORMALISED: list[RSystem] = [R1(), R0, Rp(2), Rp(4)]
+
+def even_alpha(f, g):  # type: ignore[no-untyped-def]
+    return 0.5 - 1.0 / (1.0 + f * f + g * g)
+
+
+def odd_alpha(f, g):  # type: ignore[no-untyped-def]
+    return 0.9 * fn.tanh(f + g)
+
+
+SYSTEMS: list[RSystem] = [
+    R1(), R0, RAlpha(0.5), RAlpha(-0.5), R0m(1), R0m(2), R0m(3), Rp(2), Rp(4), Rp(6),
+    RAlphaOf(even_alpha), RAlphaOf(odd_alpha), RNorm(1), RNorm(2), RNorm(3), RNorm(4), RSum(1), RSum(2),
+]  # fmt: skip
+NORMALISED: list[RSystem] = [R1(), R0, Rp(2), Rp(4), RNorm(1), RNorm(2), RNorm(3), RAlphaOf(even_alpha)]
 number = st.floats(-100, 100).map(lambda x: 0.0 if abs(x) < 1e-3 else x)
 by_system = pytest.mark.parametrize("r", SYSTEMS, ids=repr)
 
@@ -119,12 +143,21 @@ def test_names() -> None:
         "rp4": Rp(4),
         "rp2": Rp(2),
         "ralpha0.5": RAlpha(0.5),
+        "ralpha-.5": RAlpha(-0.5),
+        "rnorm3": RNorm(3),
+        "rsum2": RSum(2),
     }.items():
         assert system(name) == expected
     with pytest.raises(GeometryError, match="choose one of r0, r1"):
         system("r17")
     with pytest.raises(GeometryError, match="even"):
         system("rp3")
+    with pytest.raises(GeometryError, match=r"needs -1 < alpha < 1, got -1\.0"):
+        system("ralpha-1.0")
+    with pytest.raises(GeometryError, match="p-norms needs p >= 1, got 0"):
+        system("rnorm0")
+    with pytest.raises(GeometryError, match="sums of powers need m >= 1, got 0"):
+        system("rsum0")
     for build in (lambda: R0m(0), lambda: RAlpha(1.0), lambda: equivalence(1.0, 1.0, 0)):
         with pytest.raises(GeometryError):
             build()
