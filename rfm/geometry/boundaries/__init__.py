@@ -1,0 +1,23 @@
+"""Functions of pieces of boundary: segments, arcs, curves, faces and points, one by one and joined.
+
+Every function is a field that is zero exactly on the pieces, positive elsewhere and of unit slope across them; for
+closed curves and surfaces there is also a signed one, positive inside.  See docs/boundary-functions.md.
+"""
+
+from rfm.geometry.boundaries.arcs import arc, arc_about, arc_through, circle
+from rfm.geometry.boundaries.pieces import Joined, Pieces
+from rfm.geometry.boundaries.segments import polyline, segment
+from rfm.geometry.boundaries.signed import Signed, signed
+
+__all__ = [
+    "Joined",
+    "Pieces",
+    "Signed",
+    "arc",
+    "arc_about",
+    "arc_through",
+    "circle",
+    "polyline",
+    "segment",
+    "signed",
+]
