@@ -54,12 +54,12 @@ class Arcs(Curves):
     def functions(self, *coords: Value) -> Value:
         """See :class:`Pieces`."""
         offsets = [x - c for x, c in zip(coords, self.center.T, strict=True)]
-        first, second = _dot(offsets, self.toward_middle), _dot(offsets, self.across)
-        level = first * first + second * second
-        f = ball_function(level, self.radius)
+        first, second = _dot(offsets, self.toward_middle.T), _dot(offsets, self.across.T)
         if len(coords) == 2:
-            return trimmed_carrier(f * self.sense, self._trim(first, second * second), self.size)
-        height = _dot(offsets, np.cross(self.toward_middle, self.across))
+            f = ball_function(_dot(offsets, offsets), self.radius) * self.sense
+            return trimmed_carrier(f, self._trim(first, second * second), self.size)
+        f = ball_function(first * first + second * second, self.radius)
+        height = _dot(offsets, np.cross(self.toward_middle, self.across).T)
         height = height * height
         t = self._trim(first, second * second + height)
         return trimmed_around(f * f + height, t, self.size)
@@ -190,9 +190,6 @@ def _single(center: Array, frame: Array, radius: float, half_opening: float, sen
     )
 
 
-def _dot(offsets: Sequence[Value], axes: Array) -> Value:
-    terms = [offset * axis for offset, axis in zip(offsets, axes.T, strict=True)]
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
+def _dot(a: Sequence[Value], b: Sequence[Value] | Array) -> Value:
+    terms = [x * y for x, y in zip(a, b, strict=True)]
+    return sum(terms[1:], terms[0])

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
@@ -125,4 +124,4 @@ def checked_points(points: Sequence[Sequence[float]] | Array, owner: str, least:
 
 
 def _sum(terms: Sequence[Value]) -> Value:
-    return reduce(lambda a, b: a + b, terms)
+    return sum(terms[1:], terms[0])
