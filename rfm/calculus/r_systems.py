@@ -12,7 +12,7 @@ De Morgan's law f v g = -((-f) ^ (-g)). The upper sign belongs to the conjunctio
 
 R_0 is analytic except at f = g = 0; R_0^m is m times differentiable there too, and R_p keeps normalisation
 to order p - 1.  The formulas live in `rfm.calculus.systems`, one concept to a file: `alpha` (also with alpha a
-function), `powers`, `nary` (formulas for any number of arguments), `conditional`, `names`.
+function), `powers`, `nary` (for any number of arguments), `conditional`, `spline` (piecewise polynomials) and `names`.
 
 References: [1] Shapiro, Semi-analytic geometry with R-functions, Acta Numerica 16 (2007), 239-303;
 [2] Rvachev, Theory of R-functions and some applications (Naukova Dumka, Kiev 1982, in Russian).
@@ -30,6 +30,9 @@ from rfm.calculus.systems.conditional import (
 from rfm.calculus.systems.names import NAMES, system
 from rfm.calculus.systems.nary import RNorm, RSum
 from rfm.calculus.systems.powers import R1, R0m, Rp
+from rfm.calculus.systems.scaling import Scaled, magnitude, scaled
+from rfm.calculus.systems.spline import RSpline
+from rfm.calculus.systems.spline_groups import spline_system
 
 __all__ = [
     "NAMES",
@@ -40,13 +43,18 @@ __all__ = [
     "RAlphaField",
     "RAlphaOf",
     "RNorm",
+    "RSpline",
     "RSum",
     "RSystem",
     "Rp",
+    "Scaled",
     "choice",
     "conditional_conjunction",
     "conditional_disjunction",
     "equivalence",
     "implication",
+    "magnitude",
+    "scaled",
+    "spline_system",
     "system",
 ]

@@ -19,6 +19,7 @@ from rfm.calculus.r_systems import (
     RSum,
     RSystem,
     equivalence,
+    spline_system,
     system,
 )
 from rfm.errors import GeometryError
@@ -35,6 +36,7 @@ def odd_alpha(f, g):  # type: ignore[no-untyped-def]
 SYSTEMS: list[RSystem] = [
     R1(), R0, RAlpha(0.5), RAlpha(-0.5), R0m(1), R0m(2), R0m(3), Rp(2), Rp(4), Rp(6),
     RAlphaOf(even_alpha), RAlphaOf(odd_alpha), RNorm(1), RNorm(2), RNorm(3), RNorm(4), RSum(1), RSum(2),
+    *[spline_system(k, group) for k in (1, 2, 3) for group in (1, 2, 3)],
 ]  # fmt: skip
 NORMALISED: list[RSystem] = [R1(), R0, Rp(2), Rp(4), RNorm(1), RNorm(2), RNorm(3), RAlphaOf(even_alpha)]
 number = st.floats(-100, 100).map(lambda x: 0.0 if abs(x) < 1e-3 else x)
@@ -146,6 +148,9 @@ def test_names() -> None:
         "ralpha-.5": RAlpha(-0.5),
         "rnorm3": RNorm(3),
         "rsum2": RSum(2),
+        "spline2": spline_system(2),
+        "spline3:group4": spline_system(3, 4),
+        "spline1:group6:bound2.5": spline_system(1, 6, 2.5),
     }.items():
         assert system(name) == expected
     with pytest.raises(GeometryError, match="choose one of r0, r1"):

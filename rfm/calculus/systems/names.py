@@ -9,6 +9,7 @@ from rfm.calculus.systems.alpha import R0, RAlpha
 from rfm.calculus.systems.base import RSystem
 from rfm.calculus.systems.nary import RNorm, RSum
 from rfm.calculus.systems.powers import R1, R0m, Rp
+from rfm.calculus.systems.spline_groups import spline_system
 from rfm.errors import GeometryError
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
@@ -21,14 +22,24 @@ _PATTERNS: tuple[tuple[str, Callable[[re.Match[str]], RSystem]], ...] = (
     (rf"ralpha({_NUMBER})", lambda match: RAlpha(float(match[1]))),
     (r"rnorm(\d+)", lambda match: RNorm(int(match[1]))),
     (r"rsum(\d+)", lambda match: RSum(int(match[1]))),
+    (
+        rf"spline(\d+)(?::group(\d+))?(?::bound({_NUMBER}))?",
+        lambda match: spline_system(int(match[1]), int(match[2] or 1), float(match[3] or 1.0)),
+    ),
 )
 
 # The names worth listing to a user; `system` knows the other parameters too.
-NAMES: tuple[str, ...] = ("r0", "r1", "rp2", "rp4", "r0m1", "r0m2", "rnorm2")
+NAMES: tuple[str, ...] = ("r0", "r1", "rp2", "rp4", "r0m1", "r0m2", "rnorm2", "spline2", "spline3")
 
 
 def system(name: str) -> RSystem:
-    """Return the R-system with a name: ``r1``, ``r0``, ``r0m2``, ``rp4``, ``ralpha0.5``, ``rnorm3``, ``rsum1``.
+    """Return the R-system with a name.
+
+    Parameters
+    ----------
+    name
+        ``r1``, ``r0``, ``r0m2``, ``rp4``, ``ralpha0.5``, ``rnorm3``, ``rsum1``, ``spline2``, ``spline3:group4``,
+        ``spline3:group4:bound2.5``.
 
     Raises
     ------
