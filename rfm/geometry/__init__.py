@@ -7,8 +7,8 @@
 from rfm.geometry.box import Box
 from rfm.geometry.distance import distance, normalise
 from rfm.geometry.extension import extend
+from rfm.geometry.outlines.polygon import polygon
 from rfm.geometry.part import Part
-from rfm.geometry.polygon import polygon
 from rfm.geometry.primitives import KINDS, function
 from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus

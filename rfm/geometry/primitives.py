@@ -14,7 +14,7 @@ from rfm.errors import GeometryError
 from rfm.geometry import support
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
-from rfm.geometry.polygon import polygon
+from rfm.geometry.outlines.polygon import polygon
 from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
 from rfm.geometry.shape import Shape, single

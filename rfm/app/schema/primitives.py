@@ -6,9 +6,7 @@ degrees here and in radians there.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
-
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import ValidationInfo, model_validator
 
 from rfm.app.schema.kind import Kind
 from rfm.app.schema.scalars import (
@@ -20,9 +18,6 @@ from rfm.app.schema.scalars import (
     Vector,
     fail,
     scope_of,
-    shown,
-    vector,
-    within,
 )
 
 
@@ -127,25 +122,6 @@ class Slab(Layer):
     """Slab of space."""
 
     dimension = 3
-
-
-def _vertices(value: Any, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
-    if not isinstance(value, list | tuple):
-        raise fail(f"must be a list of points, got {shown(value)}")
-    if len(value) < 3:
-        raise fail(f"needs at least 3 vertices, got {len(value)}")
-    return tuple(within(i, vector, item, info) for i, item in enumerate(value))
-
-
-class Polygon(Kind):
-    """Polygon by its vertices in order; its sides are edge0, edge1, ... from each vertex to the next."""
-
-    dimension = 2
-    vertices: Annotated[
-        tuple[tuple[float, ...], ...],
-        BeforeValidator(_vertices),
-        WithJsonSchema({"type": "array", "items": {"type": "array"}, "minItems": 3}),
-    ]
 
 
 class Cylinder(Kind):

@@ -9,6 +9,7 @@ from pydantic_core import CoreSchema
 
 from rfm.app.schema.base import Strict
 from rfm.app.schema.kind import Kind
+from rfm.app.schema.outlines import Polygon
 from rfm.app.schema.primitives import (
     Ball,
     Box,
@@ -20,7 +21,6 @@ from rfm.app.schema.primitives import (
     Function,
     HalfPlane,
     HalfSpace,
-    Polygon,
     Rectangle,
     Slab,
     Strip,

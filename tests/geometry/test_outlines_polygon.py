@@ -9,6 +9,7 @@ import pytest
 from boundary_sampling import boundary_points, sample_box
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from random_polygons import distances, inside, random_polygon, trial_points, with_flat_vertices
 
 import rfm.geometry as g
 from rfm.errors import GeometryError
@@ -125,12 +126,12 @@ def test_pieces_follow_a_motion() -> None:
     ("vertices", "message"),
     [
         ([(0, 0), (1, 0)], "at least 3 vertices, got 2"),
-        ([(0, 0), (1, 1), (1, 0), (0, 1)], "edge0 and edge2 cross or touch"),
-        ([(0, 0), (1, 0), (1, 1), (0, 0)], "vertices 0 and 3 are the same point [0, 0]"),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], "edge0 and edge2 cross at [0.5, 0.5]"),
+        ([(0, 0), (1, 0), (1, 1), (0, 0)], "vertices 0 and 3 are the same point [0, 0]: edge3 has no length"),
         ([(0, 0), (1, 0), (0, 0), (1, 1)], "vertices 0 and 2 are the same point"),
         ([(0, 0), (1, 0), (2, 0)], "edge0 and edge2 fold back on each other"),
-        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "edge0 and edge2 cross or touch"),
-        ([(0, 0), (2, 0), (1, 0), (1, 1)], "edge0 and edge1 fold back on each other"),
+        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "edge0 and edge2 touch at [1, 0]"),
+        ([(0, 0), (2, 0), (1, 0), (1, 1)], "edge0 and edge1 fold back on each other at [2, 0]"),
         ([(0, 0), (1, float("nan")), (1, 1)], "vertices must be finite"),
         ([0, 1, 2], "list of pairs"),
         ([(0, 0), (1,), (1, 1)], "list of pairs"),
@@ -145,3 +146,90 @@ def test_a_thousand_vertices() -> None:
     angles = np.linspace(0, 2 * np.pi, 1000, endpoint=False)
     radii = 1.0 + 0.2 * np.sin(25 * angles)
     check_set(np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1))
+
+
+def check_rings(rings: list[np.ndarray], random: np.random.Generator, literals: int | None) -> None:
+    """The sign everywhere off the boundary, and how many literals."""
+    shape = g.polygon(rings[0], rings[1:])
+    points = np.concatenate([trial_points(ring, random) for ring in rings])
+    clear = np.min([distances(ring, points) for ring in rings], axis=0) > 1e-9
+    expected = np.where(inside(rings, points), 1.0, -1.0)
+    np.testing.assert_array_equal(np.sign(shape.membership(*points.T))[clear], expected[clear])
+    if literals is not None:
+        assert len(shape.expression.literals()) == literals == len(shape.surfaces)
+
+
+@settings(max_examples=25)
+@given(st.integers(3, 200), st.integers(0, 10_000), st.booleans())
+def test_random_polygons(count: int, seed: int, clockwise: bool) -> None:
+    random = np.random.default_rng(seed)
+    vertices = random_polygon(count, random)
+    check_rings([vertices[::-1] if clockwise else vertices], random, literals=count)
+
+
+@settings(max_examples=25)
+@given(st.integers(3, 60), st.integers(0, 10_000), st.sampled_from([0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-7]))
+def test_nearly_collinear_edges(count: int, seed: int, shift: float) -> None:
+    random = np.random.default_rng(seed)
+    vertices = with_flat_vertices(random_polygon(count, random), shift, random)
+    check_rings([vertices], random, literals=None)
+
+
+@settings(max_examples=25)
+@given(st.lists(st.integers(1, 4), min_size=2, max_size=60), st.integers(0, 100))
+def test_many_edges_on_common_lines(heights: list[int], seed: int) -> None:
+    corners = [(x, h) for x, h in enumerate(heights) for x in (x, x + 1)]
+    kept = [p for i, p in enumerate(corners) if i == 0 or p != corners[i - 1]]
+    base = [(x, 0) for x in range(len(heights), -1, -1)]
+    check_rings([np.array([*kept, *base], dtype=float)], np.random.default_rng(seed), literals=None)
+
+
+SQUARE = np.array([(0, 0), (6, 0), (6, 6), (0, 6)], dtype=float)
+
+
+@settings(max_examples=20)
+@given(st.integers(3, 40), st.integers(0, 10_000), st.booleans())
+def test_holes_and_islands(count: int, seed: int, clockwise: bool) -> None:
+    random = np.random.default_rng(seed)
+    hole = 1.0 + 4.0 * np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
+    star = 2.0 + 2.0 * random_polygon(count, random)
+    rings = [SQUARE, hole[::-1] if clockwise else hole, star[::-1] if clockwise else star]
+    check_rings(rings, random, literals=8 + count)
+
+
+def test_windows_on_common_lines() -> None:
+    corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
+    holes = [corners + np.array([x, y]) for x in (1, 4) for y in (1, 4)]
+    shape = g.polygon(SQUARE, holes)
+    assert len(shape.surfaces) == 12
+    check_rings([SQUARE, *holes], np.random.default_rng(0), literals=None)
+    assert shape.part("hole1.edge0").where is not None
+    named = shape.named("frame")
+    assert {"frame.edge3", "frame.hole2", "frame.hole2.edge1"} <= set(named.parts)
+    assert len(named.part("frame.hole2").surfaces) == 4
+
+
+@pytest.mark.parametrize(
+    ("holes", "message"),
+    [
+        ([[(7, 1), (8, 1), (8, 2)]], "hole0 is not inside the polygon: its vertex 0 [7, 1] lies outside"),
+        (
+            [[(5, 1), (7, 1), (5, 2)]],
+            "the polygon is not simple: edge1 and hole0.edge0 cross at [6, 1]",
+        ),
+        (
+            [[(1, 1), (3, 1), (3, 3)], [(2, 0.5), (4, 0.5), (2.5, 3.5)]],
+            "the polygon is not simple: hole0.edge0 and hole1.edge2 cross at [2.08333, 1]",
+        ),
+        ([[(0, 1), (1, 1), (1, 2)]], "the polygon is not simple: edge3 and hole0.edge0 touch at [0, 1]"),
+        ([[(1, 1), (2, 1)]], "hole0: a polygon needs at least 3 vertices, got 2"),
+        (
+            [[(1, 1), (1, 1), (2, 1)]],
+            "hole0: vertices 0 and 1 are the same point [1, 1]: edge0 has no length",
+        ),
+    ],
+)
+def test_holes_refused(holes: list[list[tuple[float, float]]], message: str) -> None:
+    with pytest.raises(GeometryError) as caught:
+        g.polygon(SQUARE, holes)
+    assert str(caught.value) == message
