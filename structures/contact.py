@@ -1,26 +1,18 @@
-"""Points on parts of the boundary, and points where two parts meet, found by Gauss-Newton steps.
-
-Notation: F = (f_1, ..., f_k) surface functions, J = dF/dx; the step -J^T (J J^T)^{-1} F is the shortest one
-that solves the linearised equations, so that starts go to nearby points of {F = 0}.
-"""
+"""Points on parts of the boundary, and points where two parts meet, found from starts spread over the domain."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array, Field
 from rfm.geometry.box import Box
+from rfm.geometry.gauss_newton import CONVERGED, nearest_zeros
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
 
 SEEDS = 256
-STEPS = 12
-CONVERGED = 1e-10  # of the domain's size
-DONE = 1e-15
 
 
 def boundary_points(domain: Shape, part: Part, seeds: Array | None = None) -> Array:
@@ -39,7 +31,7 @@ def boundary_points(domain: Shape, part: Part, seeds: Array | None = None) -> Ar
     found = [np.empty((0, domain.dimension))]
     for piece in part.pieces:
         for surface in _sorted(piece):
-            points = common_zeros([surface.function], starts, size_of(domain))
+            points = nearest_zeros([surface.function], starts, size_of(domain))
             # surfaces cross the domain too: only where the membership vanishes are they boundary
             on = np.abs(_values(domain.membership, points)) < CONVERGED * size_of(domain)
             found.append(points[on & np.asarray(piece.selects(points), bool)])
@@ -65,35 +57,9 @@ def meeting_points(domain: Shape, a: Part, b: Part, seeds: Array | None = None) 
     for piece_a in a.pieces:
         for piece_b in b.pieces:
             for pair in _function_pairs(piece_a, piece_b):
-                points = _on_domain(domain, common_zeros(pair, starts, size_of(domain)))
+                points = _on_domain(domain, nearest_zeros(pair, starts, size_of(domain)))
                 found.append(_where(_where(points, piece_a, domain), piece_b, domain))
     return _distinct(np.concatenate(found), 1e-7 * size_of(domain))
-
-
-def common_zeros(functions: Sequence[Field], starts: Array, size: float) -> Array:
-    """Return the limits ``(m, d)`` of the Gauss-Newton iteration, without the starts that did not converge.
-
-    Parameters
-    ----------
-    functions
-        One or two fields.
-    starts
-        ``(n, d)``.
-    size
-        Length scale: steps are shorter than half of it.
-    """
-    x = starts.T.copy()
-    with np.errstate(all="ignore"):  # starts may leave the formulas' domain; they are dropped below
-        for _ in range(STEPS):
-            step, _ = _step(functions, x)
-            length = np.nan_to_num(np.sqrt((step**2).sum(axis=0)))
-            x += step * np.minimum(1.0, 0.5 * size / np.maximum(length, 1e-300))
-            if length.max(initial=0.0) < DONE * size:
-                break
-        step, values = _step(functions, x)
-        small = np.sqrt((step**2).sum(axis=0)) < CONVERGED * size
-        small &= np.abs(values).max(axis=0) < 1e-6 * size
-    return x[:, small & np.isfinite(x).all(axis=0)].T
 
 
 def spread_points(domain: Shape, count: int = SEEDS) -> Array:
@@ -160,18 +126,6 @@ def _values(field: Field, points: Array) -> Array:
     with np.errstate(all="ignore"):
         values: Array = partials(field, tuple(points.T), 0)[0]
     return values
-
-
-def _step(functions: Sequence[Field], x: Array) -> tuple[Array, Array]:
-    """Return the Gauss-Newton step ``(d, n)`` and the values ``(k, n)``."""
-    jets = np.stack([partials(f, tuple(x), 1) for f in functions])
-    values, slopes = jets[:, 0], jets[:, 1:]
-    gram = np.nan_to_num(np.einsum("ikn,jkn->nij", slopes, slopes))
-    diagonal = np.arange(len(functions))
-    # parallel gradients (tangent surfaces) and vanishing ones stay solvable
-    gram[:, diagonal, diagonal] += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None] + 1e-200
-    multipliers = np.linalg.solve(gram, values.T[:, :, None])[:, :, 0]
-    return -np.einsum("ni,ikn->kn", multipliers, slopes), values
 
 
 def _distinct(points: Array, tolerance: float) -> Array:
