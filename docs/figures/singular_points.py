@@ -55,7 +55,11 @@ def _plane(axes: plt.Axes) -> None:
     for corner in corners(shape):
         axes.plot(*corner.point, "o", color=MARK, markersize=5)
         axes.annotate(
-            f"{np.degrees(corner.angles[0]):.0f}°", corner.point, (4, 4), textcoords="offset points", fontsize=8
+            f"{np.degrees(corner.angles[0]):.0f}°",
+            corner.point,
+            (4, 4),
+            textcoords="offset points",
+            fontsize=8,
         )
     axes.set_aspect("equal")
     axes.set_title("corners and interior angles", fontsize=10)

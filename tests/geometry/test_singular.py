@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rfm.calculus import exp, sin
+from rfm.calculus import R1, exp, sin, system
 from rfm.errors import GeometryError
 from rfm.geometry import (
     Box,
@@ -23,6 +23,7 @@ from rfm.geometry import (
     rectangle,
 )
 from rfm.geometry.singular.corners import corners
+from rfm.geometry.singular.criteria import criterion, operations
 from rfm.geometry.singular.edges import edges, vertices
 from rfm.geometry.singular.roots import common_zeros
 
@@ -176,3 +177,29 @@ def test_surfaces_that_coincide_bear_corners_like_one():
     shape = rectangle((0, 0), (2, 1)) | rectangle((0, 1), (1, 2)).move((0, 0))
     found = points_of(corners(shape))
     np.testing.assert_allclose(found, [(0, 0), (0, 2), (1, 1), (1, 2), (2, 0), (2, 1)], atol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["r0", "ralpha0.5", "rp4", "r0m2", "rnorm2"])
+def test_the_criterion_vanishes_at_every_corner_and_nowhere_else(name):
+    shape = rectangle((0, 0), (2, 1)) | disk((1, 1), 0.6)
+    K = criterion(shape, system(name))
+    for corner in corners(shape):
+        assert abs(K(*corner.point)) < 1e-12
+    x, y = np.random.default_rng(1).uniform(-1, 3, (2, 500))
+    assert (np.asarray(K(x, y)) > 1e-12).all()
+
+
+def test_each_operation_has_its_own_criterion():
+    shape = rectangle((0, 0), (2, 1)) | disk((1, 1), 0.6)
+    found = operations(shape)
+    assert [one.kind for one in found] == ["intersection"] * 3 + ["union"]
+    assert [one.kappa(2.0, 0.0) < 1e-12 for one in found].count(True) == 1
+
+
+def test_minimum_and_maximum_are_singular_on_a_curve():
+    K = criterion(rectangle((0, 0), (1, 1)), R1())
+    assert K(0.25, 0.25) == 0.0
+
+
+def test_a_shape_of_one_surface_is_singular_nowhere():
+    assert criterion(disk((0, 0), 1))(0.3, 0.1) == 1.0

@@ -18,7 +18,25 @@ from rfm.calculus.types import Value
 
 
 class RSystem(ABC):
-    """A sufficiently complete system of R-functions; arguments are values of any kind."""
+    """A sufficiently complete system of R-functions; arguments are values of any kind.
+
+    Attributes
+    ----------
+    smoothness
+        Number of continuous derivatives where the criterion :meth:`kappa` vanishes; elsewhere there are all.
+    """
+
+    @property
+    def smoothness(self) -> int:
+        """None by default: the operations are continuous only."""
+        return 0
+
+    def kappa(self, f: Value, g: Value) -> Value:
+        """Return the criterion of singular points: zero exactly where the operations are not analytic in f, g.
+
+        Where they have a square root of a definite quadratic form, that is where both arguments vanish.
+        """
+        return f * f + g * g
 
     @abstractmethod
     def pair(self, f: Value, g: Value, sign: float) -> Value:

@@ -70,6 +70,15 @@ class RSum(RSystem):
         if self.m < 1:
             raise GeometryError(f"the n-ary sums of powers need m >= 1, got {self.m}")
 
+    @property
+    def smoothness(self) -> int:
+        """The exponent m."""
+        return self.m
+
+    def kappa(self, f: Value, g: Value) -> Value:
+        """Return (f g)^2: the pieces meet where one argument changes sign."""
+        return (f * g) ** 2
+
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return the formula for two arguments."""
         return self.join((f, g), sign)

@@ -22,6 +22,10 @@ from rfm.errors import GeometryError
 class R1(RSystem):
     """Minimum and maximum."""
 
+    def kappa(self, f: Value, g: Value) -> Value:
+        """Return (f - g)^2: there is a kink where both are equal."""
+        return (f - g) ** 2
+
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return the minimum or the maximum."""
         return minimum(f, g) if sign < 0 else maximum(f, g)
@@ -36,6 +40,11 @@ class R0m(RSystem):
     def __post_init__(self) -> None:
         if self.m < 1:
             raise GeometryError(f"R_0^m needs m >= 1, got {self.m}; m = 0 is the system r0")
+
+    @property
+    def smoothness(self) -> int:
+        """The exponent m."""
+        return self.m
 
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return (f + g + sign*sqrt(f^2 + g^2)) (f^2 + g^2)^(m/2)."""
