@@ -4,7 +4,8 @@ A polynomial with P(0, 0) = 0 is shown to be positive on :math:`[0, 1]^2` withou
 :math:`Y \le X` and :math:`X \le Y` are blown up, Y = t X or X = t Y; the power of the first variable that divides P
 then is taken out, so that t runs through the directions at the origin, and what is left must be positive on the
 closed square (a little more than is needed: the lowest terms alone must be positive in every direction, so that
-the sign near the origin does not hang on higher ones).  It is if its Bernstein coefficients are, on the square or on every part of a subdivision.
+the sign near the origin does not hang on higher ones).  It is if its Bernstein coefficients are, on the square or on
+every part of a subdivision.
 
 Reference: Farouki and Rajan, On the numerical condition of polynomials in Bernstein form (Computer Aided Geometric
 Design 4, 1987); Garloff, The Bernstein algorithm (Interval Computations 2, 1993).
