@@ -45,6 +45,8 @@ class Plane:
                 continue
             term = coordinate if component == 1.0 else component * coordinate
             total = term if total is None else total + term
+        if total is None:  # a constant: the height of a section, for instance
+            total = coords[0] * 0.0
         if self.offset == 0.0:
             return total
         return total - self.offset

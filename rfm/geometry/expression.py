@@ -111,8 +111,10 @@ def disjunction(terms: Iterable[Expression]) -> Expression:
     return _joined(terms, Disjunction, False)
 
 
-def assuming(expression: Expression, surface: Surface, inside: bool) -> Expression | bool:
-    """Cofactor: the expression simplified when the sign of one surface is known."""
+def substituted(
+    expression: Expression, leaf: Callable[[Surface, bool], Expression | bool]
+) -> Expression | bool:
+    """Put an expression, or a truth value, in the place of every literal, and simplify."""
 
     def joined(terms: list[Expression | bool], neutral: bool) -> Expression | bool:
         if any(term is (not neutral) for term in terms):
@@ -122,10 +124,15 @@ def assuming(expression: Expression, surface: Surface, inside: bool) -> Expressi
             return neutral
         return conjunction(rest) if neutral else disjunction(rest)
 
-    def leaf(other: Surface, positive: bool) -> Expression | bool:
-        return positive is inside if other is surface else Literal(other, positive)
-
     return expression.fold(leaf, lambda terms: joined(terms, True), lambda terms: joined(terms, False))
+
+
+def assuming(expression: Expression, surface: Surface, inside: bool) -> Expression | bool:
+    """Cofactor: the expression simplified when the sign of one surface is known."""
+    return substituted(
+        expression,
+        lambda other, positive: positive is inside if other is surface else Literal(other, positive),
+    )
 
 
 def _joined(
