@@ -66,7 +66,8 @@ def _small(stencil: Stencil, free: Extension, symmetric: bool) -> Array:
     order = np.concatenate([free.dofs, free.outer])
     full = stencil.dense(order, order)
     extension = np.zeros((split, len(free.outer)))
-    extension[free.sources, np.arange(len(free.outer))[:, None]] = free.coefficients
+    # rows may name a source twice (periodic splines)
+    np.add.at(extension, (free.sources, np.arange(len(free.outer))[:, None]), free.coefficients)
     left = full[split:, :split]
     outer = extension @ full[split:, split:]
     result: Array = full[:split, :split]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from rfm.errors import DiscretizationError
 from rfm.geometry.shape import Shape
@@ -15,6 +17,7 @@ from solvers.quadrature import DomainRules, domain_rules
 from solvers.quadrature.batch import TensorBatch
 from solvers.quadrature.moments import fold
 from solvers.stopwatch import Stopwatch
+from solvers.web import SplineSpace
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,20 @@ def background_grid(domain: Shape, discretization: Discretization) -> Grid:
     return Grid.cover(box, discretization.grid)
 
 
-def prepare(domain: Shape, discretization: Discretization, watch: Stopwatch) -> Background:
+def prepare(
+    domain: Shape,
+    discretization: Discretization,
+    watch: Stopwatch,
+    wraps: Mapping[int, float] = MappingProxyType({}),
+) -> Background:
     """Classify the cells, integrate the cut ones and build the space.
+
+    Parameters
+    ----------
+    domain, discretization, watch
+        What to discretise and how.
+    wraps
+        Axes along which the grid covers one period of the splines, with their factors.
 
     Raises
     ------
@@ -76,7 +91,12 @@ def prepare(domain: Shape, discretization: Discretization, watch: Stopwatch) -> 
             trial = replace(discretization, grid=cells, spacing=None)
             return classify(domain, background_grid(domain, trial))
 
-        space = chosen.build(grid, degree, classification, cut_cells=rules.cut.cells, finer=finer)
+        space: Space
+        if wraps:
+            cut = rules.cut.cells
+            space = SplineSpace.build(grid, degree, classification, discretization.basis, cut, finer, wraps)
+        else:
+            space = chosen.build(grid, degree, classification, cut_cells=rules.cut.cells, finer=finer)
     if space.n_dofs == 0:
         raise DiscretizationError("no spline of the grid meets the domain: refine `grid`")
     return Background(grid, classification, rules, folded, space)

@@ -13,7 +13,7 @@ from solvers.data import values
 from solvers.equations.density import QuadraticDensity
 from solvers.equations.rows import Equality, apply
 from solvers.grid import Grid
-from solvers.problem import Condition, Problem
+from solvers.problem import Condition, Periodic, Problem
 from solvers.quadrature.batch import PointBatch
 
 
@@ -22,9 +22,12 @@ def boundary_batches(
 ) -> Iterator[tuple[Condition, PointBatch]]:
     """Each condition with the boundary rule of each surface it holds on.
 
-    Where a condition holds on a piece of a surface (``Part.where``), the weights off that piece are zero.
+    Where a condition holds on a piece of a surface (``Part.where``), the weights off that piece are zero.  Periodic
+    conditions relate two points and have their own residual, :func:`periodic_points`.
     """
     for condition in problem.conditions:
+        if isinstance(condition, Periodic):
+            continue
         for surface in sorted(condition.part.surfaces, key=lambda s: s.label):
             if surface not in rules:
                 continue
@@ -33,6 +36,18 @@ def boundary_batches(
                 holds = values("extent of a part", condition.part.where, batch.points(grid))
                 batch = replace(batch, weights=np.where(np.greater(holds, 0), batch.weights, 0.0))
             yield condition, batch
+
+
+def periodic_points(
+    problem: Problem, rules: Mapping[Surface, PointBatch], grid: Grid
+) -> Iterator[tuple[Periodic, Array]]:
+    """Each periodic condition with the points (n, d) of the rules on its first part."""
+    for condition in problem.conditions:
+        if not isinstance(condition, Periodic):
+            continue
+        for surface in sorted(condition.part.surfaces & set(rules), key=lambda s: s.label):
+            batch = rules[surface]
+            yield condition, np.stack([c[batch.weights > 0] for c in batch.points(grid)], axis=1)
 
 
 def outward(batch: PointBatch) -> Array:

@@ -16,10 +16,10 @@ from solvers.background import Background
 from solvers.collar import collar_space, corner_cells, only_volume, split, split_off, within
 from solvers.corner_rules import corner_rule
 from solvers.cross_assembly import used_cells
-from solvers.essential import essential_structure
 from solvers.flux_collars import REACH, VANISHED, Collar, collared, collars_of
 from solvers.grid import Grid
 from solvers.problem import Discretization, Problem
+from solvers.seams import seamless_structure
 from solvers.setting import Region, Setting, Structure
 from solvers.web import SplineSpace
 
@@ -44,7 +44,7 @@ class Exact:
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure with the collars that suit the grid."""
-        essential = essential_structure(problem, discretization.weight)
+        essential = seamless_structure(problem, discretization, grid)
         return collared(essential, collars_of(problem, width_of(grid)))
 
     def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
@@ -55,8 +55,9 @@ class Exact:
         DiscretizationError
             A condition has no exact structure.
         """
-        essential, degree = essential_structure(problem, discretization.weight), discretization.degree
-        main, grid = (background.space,) * len(essential), background.grid
+        grid, degree = background.grid, discretization.degree
+        essential = seamless_structure(problem, discretization, grid)
+        main = (background.space,) * len(essential)
         collars = collars_of(problem, width_of(grid))
         if not collars:
             return Setting(essential, main, (Region(essential, background),))

@@ -22,6 +22,7 @@ from solvers.problem import (
     Dirichlet,
     FromExact,
     Neumann,
+    Periodic,
     Pressure,
     Problem,
     Robin,
@@ -47,7 +48,7 @@ def has_flux(condition: Condition) -> bool:
     """Whether something else than values (and slopes) is prescribed."""
     if isinstance(condition, Dirichlet):
         return isinstance(condition.value, tuple) and None in condition.value
-    return not isinstance(condition, Clamped)
+    return not isinstance(condition, Clamped | Periodic)
 
 
 def flux_condition(problem: Problem, condition: Condition, w: FieldExpr) -> FluxCondition:

@@ -23,6 +23,7 @@ from solvers.equations.motions import Motion
 from solvers.essential import prescribed
 from solvers.exact import exact_jet
 from solvers.norms import norm_batches
+from solvers.periodicity import periods_of
 from solvers.problem import Problem, Robin, Slip
 from solvers.solution import Trial
 
@@ -118,6 +119,8 @@ def free_motions(problem: Problem) -> list[Motion]:
     robin = [c.coefficient for c in problem.conditions if isinstance(c, Robin)]
     if any(callable(h) or float(h) != 0.0 for h in robin):
         return []
+    for period in periods_of(problem):
+        motions = [m for m in motions if period.factor == 1.0 and not m.slope[:, period.axis].any()]
     count = problem.equation.components(dimension)
     held = [c for c in range(count) if prescribed(problem, c, count)]
     if not motions or not held or len(held) == count:

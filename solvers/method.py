@@ -17,7 +17,7 @@ from solvers.bases.basis import Basis
 from solvers.bases.registry import basis
 from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
-from solvers.problem import Condition, Discretization, Problem, SolverOptions
+from solvers.problem import Condition, Discretization, Periodic, Problem, SolverOptions
 from solvers.stopwatch import Stopwatch
 from solvers.systems import System
 
@@ -71,7 +71,7 @@ class Method(Protocol):
 
 @dataclass(frozen=True)
 class Refusal:
-    """What does not combine, and why: `of` is ``method``, ``degree``, ``linear`` or ``basis``."""
+    """What does not combine, and why: `of` is ``method``, ``degree``, ``linear``, ``basis`` or ``conditions``."""
 
     of: str
     message: str
@@ -96,6 +96,19 @@ def refused(
             f"conditions: exact puts a second spline into collars, which basis: {discretization.basis} does not have: "
             "use basis: web-spline, or conditions: natural",
         )
+    if any(isinstance(c, Periodic) for c in problem.conditions):
+        if not space.local:
+            return Refusal(
+                "basis",
+                f"periodic conditions need periodic splines, which basis: {discretization.basis} does not have: use "
+                "basis: web-spline",
+            )
+        if added:
+            return Refusal(
+                "conditions",
+                "conditions: exact has no collars that go on across the seam of a periodic condition: use "
+                "conditions: natural",
+            )
     suitable = method.linear_solvers(problem.equation)
     if options.linear not in ("auto", *suitable):
         return Refusal(

@@ -11,10 +11,10 @@ from typing import Protocol
 
 from rfm.errors import DiscretizationError
 from solvers.background import Background
-from solvers.essential import essential_structure
 from solvers.exact_mode import Exact
 from solvers.grid import Grid
 from solvers.problem import Discretization, Problem
+from solvers.seams import seamless_structure
 from solvers.setting import Region, Setting, Structure
 
 
@@ -43,7 +43,7 @@ class Natural:
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure of the essential conditions."""
-        return essential_structure(problem, discretization.weight)
+        return seamless_structure(problem, discretization, grid)
 
     def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
         """One space for all components, one region."""

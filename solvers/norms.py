@@ -16,8 +16,9 @@ import numpy as np
 
 from rfm.calculus.types import Array
 from solvers.background import Background
-from solvers.boundary import boundary_batches, outward, residual
+from solvers.boundary import boundary_batches, outward, periodic_points, residual
 from solvers.exact import Exact, components_of, exact_jet
+from solvers.periodicity import periods_of
 from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
@@ -113,7 +114,10 @@ def integrate(
 
 
 def boundary_errors(problem: Problem, trial: Trial, background: Background) -> dict[str, float]:
-    """Largest residual of its condition on each boundary part, by the name of the part."""
+    """Largest residual of its condition on each boundary part, by the name of the part.
+
+    Of a periodic condition, the largest difference of u and of its derivatives up to those of the flux.
+    """
     errors: dict[str, float] = {}
     for condition, batch in boundary_batches(problem, background.rules.boundary, background.grid):
         counted = batch.weights > 0
@@ -125,4 +129,9 @@ def boundary_errors(problem: Problem, trial: Trial, background: Background) -> d
         largest = float(residual(problem, condition, coords, normals, jet).max())
         name = condition.part.name
         errors[name] = max(errors.get(name, 0.0), largest)
+    for periodic, points in periodic_points(problem, background.rules.boundary, background.grid):
+        period = next(p for p in periods_of(problem) if periodic.part.name in p.names)
+        here, there = (trial.at(p, problem.equation.flux_order) for p in (points, period.moved(points)))
+        gap = float(np.abs(there - period.factor * here).max(initial=0.0))
+        errors[periodic.part.name] = max(errors.get(periodic.part.name, 0.0), gap)
     return errors

@@ -20,6 +20,7 @@ from solvers.kernel import excess, kernel_of
 from solvers.linear.condition import condition_number
 from solvers.method import Method, require
 from solvers.modes import mode_of
+from solvers.periodicity import fitted, periods_of, wraps_of
 from solvers.posed import require_posed
 from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
@@ -61,7 +62,10 @@ def solve(
     mode = mode_of(discretization)
     mode.require(discretization, method.order(problem))
     watch = Stopwatch(listener)
-    background = prepare(problem.domain, discretization, watch)
+    periods = periods_of(problem)
+    background = prepare(
+        problem.domain, fitted(discretization, problem.domain, periods), watch, wraps_of(periods)
+    )
     with watch.phase("assembly"):
         setting = mode.setting(problem, discretization, background)
         assembler = BlockAssembler(setting.spaces, method.symmetric(problem))

@@ -6,7 +6,7 @@ from itertools import combinations
 
 from rfm.errors import StructureError
 from rfm.geometry.surface import Surface
-from solvers.problem import Problem
+from solvers.problem import Periodic, Problem
 
 
 def require_posed(problem: Problem) -> None:
@@ -20,7 +20,7 @@ def require_posed(problem: Problem) -> None:
     equation = problem.equation
     names = ", ".join(kind.__name__ for kind in equation.conditions)
     for condition in problem.conditions:
-        if not isinstance(condition, equation.conditions):
+        if not isinstance(condition, (*equation.conditions, Periodic)):
             two = " needs two conditions at every point of its boundary and" if equation.order > 1 else ""
             raise StructureError(
                 f"the equation {equation.name}{two} has no condition {type(condition).__name__} (on "
@@ -39,6 +39,9 @@ def require_posed(problem: Problem) -> None:
                 f"{type(second).__name__} (in {second.part.name}): keep one, or separate them with 'where'"
             )
     taken = frozenset[Surface]().union(*(condition.part.surfaces for condition in problem.conditions))
+    taken |= frozenset[Surface]().union(
+        *(c.partner.surfaces for c in problem.conditions if isinstance(c, Periodic))
+    )
     bare = problem.domain.part("all").surfaces - taken
     if equation.order > 1 and bare:
         raise StructureError(

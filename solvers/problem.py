@@ -16,7 +16,11 @@ of a plate with bending moment M and Kirchhoff's shear force V (:mod:`solvers.eq
 
 * Clamped    :math:`w = g`, :math:`\partial w/\partial n = s`,
 * SimplySupported  :math:`w = g`, :math:`M = m`,
-* Free       :math:`M = m`, :math:`V = q`.
+* Free       :math:`M = m`, :math:`V = q`;
+
+and of any equation, between two opposite parts A and B = A + T,
+
+* Periodic   :math:`u(x + T) = c\,u(x)` with all derivatives, c = 1 or -1.
 """
 
 from __future__ import annotations
@@ -130,7 +134,21 @@ class Free:
     shear: Datum | FromExact = 0.0
 
 
-Condition = Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free
+@dataclass(frozen=True)
+class Periodic:
+    """``u(x + T) = factor u(x)`` for x on ``part`` and x + T on ``partner``, with all derivatives: essential.
+
+    Both parts lie across one coordinate axis and bound the domain along it; T is the way from the one to the other,
+    or given as `shift`.  The factor is 1, or -1 of an antiperiodic field.
+    """
+
+    part: Part
+    partner: Part
+    factor: float = 1.0
+    shift: tuple[float, ...] | None = None
+
+
+Condition = Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free | Periodic
 
 
 @dataclass(frozen=True)

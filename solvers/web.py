@@ -30,15 +30,16 @@ from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.bases.spline import Spline
 from solvers.evaluation import evaluate
-from solvers.extension import Extension, Mask, extend, full_arrays, no_extension, touched
+from solvers.extension import Extension, Mask, full_arrays, touched
 from solvers.grid import Grid
 from solvers.splines import require_degree
+from solvers.wrapping import EXTENSIONS, Wraps, wrapped
 
 if TYPE_CHECKING:
     from solvers.assembly import Assembler
     from solvers.classify import Classification
 
-__all__ = ["BASES", "SplineSpace", "evaluate"]
+__all__ = ["SplineSpace", "evaluate"]
 
 Finer: TypeAlias = "Callable[[int], Classification]"
 INNER = 1
@@ -70,6 +71,7 @@ class SplineSpace:
         basis: str = "web-spline",
         cut_cells: NDArray[np.integer[Any]] | None = None,
         finer: Finer | None = None,
+        wraps: Wraps | None = None,
     ) -> SplineSpace:
         """Space of splines over a classified grid.
 
@@ -80,12 +82,14 @@ class SplineSpace:
         classification
             Its ``state`` says which cells are inner (1) and cut (0).
         basis
-            One of :data:`BASES`.
+            One of :data:`solvers.wrapping.EXTENSIONS`.
         cut_cells
             The cut cells with quadrature points, shape (n, d), rows may repeat; all cut cells when omitted.
         finer
             Classification of the domain for another number of cells along the longest side: used to name a grid that
             would do in the error message.
+        wraps
+            Axes along which the splines are periodic, the grid covering one period, with their factors.
 
         Raises
         ------
@@ -93,16 +97,20 @@ class SplineSpace:
             The degree is out of range, the basis unknown, or the grid too coarse for the degree.
         """
         require_degree(degree)
-        if basis not in BASES:
-            raise DiscretizationError(f"unknown basis {basis!r}: choose one of {', '.join(sorted(BASES))}")
+        if basis not in EXTENSIONS:
+            raise DiscretizationError(f"unknown basis {basis!r}: choose one of {', '.join(sorted(EXTENSIONS))}")
         inside = classification.state == INNER
         if cut_cells is None:
             active = classification.state >= 0
         else:
             active = inside.copy()
             active[tuple(np.asarray(cut_cells).T)] = True
+        if not inside.any() and basis == "web-spline":
+            raise DiscretizationError(_too_coarse(inside.shape, degree, finer))
+        if wraps:
+            return SplineSpace(grid, degree, wrapped(inside, active, degree, wraps, basis))
         relevant = touched(active, degree)
-        return SplineSpace(grid, degree, BASES[basis](inside, relevant, degree, finer))
+        return SplineSpace(grid, degree, EXTENSIONS[basis](touched(inside, degree), relevant, degree))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -170,32 +178,6 @@ class SplineSpace:
         full[self.free.dofs] = coefficients
         full[self.free.outer] = (self.free.coefficients * coefficients[self.free.sources]).sum(axis=1)
         return full.reshape(self.shape)
-
-
-def web_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:
-    """Inner indices free, outer ones extended.
-
-    Raises
-    ------
-    DiscretizationError
-        No whole cell lies in the domain, hence there is no array of ``(p+1)^d`` inner indices to extend from (one
-        such cell is enough: all indices on it are inner).
-    """
-    if not inside.any():
-        raise DiscretizationError(_too_coarse(inside.shape, degree, finer))
-    return extend(touched(inside, degree), relevant, degree)
-
-
-def b_splines(inside: Mask, relevant: Mask, degree: int, finer: Finer | None) -> Extension:
-    """All relevant indices free."""
-    return no_extension(touched(inside, degree), relevant, degree)
-
-
-BASES: dict[str, Callable[[Mask, Mask, int, Finer | None], Extension]] = {
-    "web-spline": web_splines,
-    "b-spline": b_splines,
-}
-"""The bases by name."""
 
 
 def _too_coarse(cells: tuple[int, ...], degree: int, finer: Finer | None) -> str:
