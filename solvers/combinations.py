@@ -26,6 +26,7 @@ from solvers.problem import (
     Dirichlet,
     Free,
     Neumann,
+    Periodic,
     Pressure,
     Problem,
     Robin,
@@ -136,13 +137,17 @@ def condition_rows() -> Iterator[Sequence[str]]:
     """How each condition of each equation is carried in both modes."""
     for name, equation in EQUATIONS.items():
         for condition in samples(DOMAIN.part("all")):
-            if isinstance(condition, equation.conditions):
+            if isinstance(condition, (*equation.conditions, Periodic)):
                 natural = "functional" if has_flux(condition) else "structure"
                 kind = type(condition).__name__
                 yield name, kind, PARTLY.get(kind, natural), _carried(equation, condition)
 
 
-PARTLY = {"SimplySupported": "deflection by structure, moment by functional", "Slip": "structure"}
+PARTLY = {
+    "SimplySupported": "deflection by structure, moment by functional",
+    "Slip": "structure",
+    "Periodic": "structure, periodic splines",
+}
 """Conditions of which the structure carries a part in natural mode."""
 
 
@@ -158,11 +163,14 @@ def samples(part: Part) -> tuple[Condition, ...]:
         Clamped(part),
         SimplySupported(part),
         Free(part),
+        Periodic(part, part),
     )
 
 
 def _carried(equation: Equation, condition: Condition) -> str:
     """Whether there is an exact structure: it is made, on a disk."""
+    if isinstance(condition, Periodic):
+        return "structure, without flux conditions beside it"
     if not has_flux(condition):
         return "structure"
     problem = Problem(DOMAIN, equation, (condition,))

@@ -1,7 +1,7 @@
 """Periodic conditions of a problem: the period along each axis, the grid that fits it, and what is refused.
 
-Periodic splines (:mod:`solvers.wrapping`) want the parts A and B on opposite faces of the grid, across a coordinate axis,
-and a whole number of cells between them.  Whether the parts are such is looked at in points spread over them.
+Periodic splines (:mod:`solvers.wrapping`) want the parts A and B on opposite faces of the grid, across a coordinate
+axis, and a whole number of cells between them.  Whether the parts are such is looked at in points spread over them.
 """
 
 from __future__ import annotations
@@ -90,7 +90,10 @@ def fitted(discretization: Discretization, domain: Shape, periods: Sequence[Peri
     for period in periods:
         axis, length = period.axis, period.upper - period.lower
         ends = (lower[axis], upper[axis])
-        if given is not None and max(abs(ends[0] - period.lower), abs(ends[1] - period.upper)) > SAME * length:
+        if (
+            given is not None
+            and max(abs(ends[0] - period.lower), abs(ends[1] - period.upper)) > SAME * length
+        ):
             raise DiscretizationError(
                 f"box must end at the periodic parts, {AXES[axis]} = {period.lower:.6g} and {period.upper:.6g}, got "
                 f"{ends[0]:.6g} and {ends[1]:.6g}; leave it out"
@@ -124,7 +127,9 @@ def period_of(domain: Shape, condition: Periodic) -> Period:
     axis = _common_axis(domain, (first, here), (second, there))
     period = np.zeros(domain.dimension)
     period[axis] = there[0, axis] - here[0, axis]
-    if condition.shift is not None and np.abs(np.subtract(condition.shift, period)).max() > SAME * size_of(domain):
+    if condition.shift is not None and np.abs(np.subtract(condition.shift, period)).max() > SAME * size_of(
+        domain
+    ):
         raise StructureError(
             f"shift must be {_shown(period)}, the way from {first.name} to {second.name}, got "
             f"{_shown(np.array(condition.shift))}"
@@ -132,6 +137,11 @@ def period_of(domain: Shape, condition: Periodic) -> Period:
     _require_translates(domain, (first, here), (second, there), period)
     _require_translates(domain, (second, there), (first, here), -period)
     lower, upper = sorted((float(here[0, axis]), float(there[0, axis])))
+    ends = (domain.box.lower[axis], domain.box.upper[axis])  # the same up to rounding, if the box is tight
+    lower, upper = (
+        end + 0.0 if abs(end - found) <= SAME * size_of(domain) else found
+        for end, found in zip(ends, (lower, upper), strict=True)
+    )
     _require_faces(domain, (first, second), axis, lower, upper)
     return Period(axis, lower, upper, float(condition.factor), (first.name, second.name))
 
@@ -195,4 +205,4 @@ def _require_faces(domain: Shape, parts: tuple[Part, Part], axis: int, lower: fl
 
 
 def _shown(point: Array) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ")"
+    return "(" + ", ".join(f"{round(float(value), 12) + 0.0:.6g}" for value in point) + ")"

@@ -148,7 +148,9 @@ class Periodic:
     shift: tuple[float, ...] | None = None
 
 
-Condition = Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free | Periodic
+Condition = (
+    Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free | Periodic
+)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Structures of problems with periodic conditions: how much room there is around the seam.
 
-A structure passes from one period to the next in a strip around the seam (:mod:`structures.seam`), the wider the better.
-In front of the face B the structure of behind A, moved, must satisfy the essential conditions too, and the other way
-round; the nearest point of the boundary at which it does not, a hole that has no image or data that are not periodic,
-ends the strip.  Strips end on grid lines: the step is smooth inside cells.
+A structure passes from one period to the next in a strip around the seam (:mod:`structures.seam`), the wider the
+better.  In front of the face B the structure of behind A, moved, must satisfy the essential conditions too, and the
+other way round; the nearest point of the boundary at which it does not, a hole that has no image or data that are not
+periodic, ends the strip.  Strips end on grid lines: the step is smooth inside cells.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ def seamless_structure(problem: Problem, discretization: Discretization, grid: G
     """
     periods = periods_of(problem)
     if periods and any(isinstance(condition, Slip) for condition in problem.conditions):
-        raise StructureError("a slip condition has no periodic structure: prescribe components, or drop the period")
+        raise StructureError(
+            "a slip condition has no periodic structure: prescribe components, or drop the period"
+        )
     structure = essential_structure(problem, discretization.weight)
     for period in periods:
         structure = _closed(problem, structure, period, grid, discretization.degree)
@@ -81,9 +83,9 @@ def _closed(
         point = next(at for at in (first, second) if at is not None)
         where = "(" + ", ".join(f"{x:.4g}" for x in point) + ")"
         raise StructureError(
-            f"the essential conditions are not periodic along {AXES[period.axis]}: what holds at {where}, near the seam of "
-            f"{period.names[0]} and {period.names[1]}, does not go on behind it; make data and walls repeat there, or "
-            "refine `grid` if that is a hole beside the seam"
+            f"the essential conditions are not periodic along {AXES[period.axis]}: what holds at {where}, near the "
+            f"seam of {period.names[0]} and {period.names[1]}, does not go on behind it; make data and walls repeat "
+            "there, or refine `grid` if that is a hole beside the seam"
         )
     seam = Seam(period.axis, period.lower, period.upper, before, behind, degree + 1)
     return tuple(across(u, seam, period.factor) for u in structure)

@@ -98,7 +98,9 @@ class SplineSpace:
         """
         require_degree(degree)
         if basis not in EXTENSIONS:
-            raise DiscretizationError(f"unknown basis {basis!r}: choose one of {', '.join(sorted(EXTENSIONS))}")
+            raise DiscretizationError(
+                f"unknown basis {basis!r}: choose one of {', '.join(sorted(EXTENSIONS))}"
+            )
         inside = classification.state == INNER
         if cut_cells is None:
             active = classification.state >= 0

@@ -89,7 +89,9 @@ def wrapped(inside: Mask, active: Mask, degree: int, wraps: Wraps, basis: str) -
         np.sort(np.concatenate([exposed, copies[again]])),
         targets[order],
         np.concatenate([sources, of_free, sources[row[originals[tied]]]])[order],
-        np.concatenate([coefficients, weights, coefficients[row[originals[tied]]] * powers[tied, None]])[order],
+        np.concatenate([coefficients, weights, coefficients[row[originals[tied]]] * powers[tied, None]])[
+            order
+        ],
     )
 
 

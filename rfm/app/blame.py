@@ -22,6 +22,9 @@ def located(case: Case, error: RfmError) -> RfmError:
     if isinstance(error, GeometryError):
         return case.error(("geometry", "domain"), str(error))
     if isinstance(error, DiscretizationError):
+        name, _, rest = str(error).partition(" ")
+        if rest.startswith("must") and getattr(case.discretization, name, None) is not None:
+            return case.error(("discretization", name), rest)
         key = "grid" if case.discretization.spacing is None else "spacing"
         return case.error(("discretization", key), str(error))
     if isinstance(error, StructureError):

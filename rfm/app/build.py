@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from rfm.errors import CaseError, RfmError
 if TYPE_CHECKING:
     from rfm.geometry.box import Box
     from rfm.geometry.shape import Shape
-    from solvers.problem import Discretization, Problem, SolverOptions
+    from solvers.problem import Condition, Discretization, Problem, SolverOptions
 
 __all__ = ["build_discretization", "build_domain", "build_problem", "given_box", "located", "solver_options"]
 
@@ -45,6 +46,7 @@ def build_problem(case: Case) -> Problem:
     parts = assign_parts(case, domain)
     _check_results(case, domain)
     conditions = tuple(build_condition(case, i, part) for i, part in enumerate(parts))
+    _check_periods(case, domain, conditions)
     return Problem(domain, equation, conditions, build_exact(case))
 
 
@@ -167,6 +169,23 @@ def _check_results(case: Case, domain: Shape) -> None:
                 domain.part(part)
             except RfmError as error:
                 raise case.error(("integrals", name, "on"), str(error)) from error
+
+
+def _check_periods(case: Case, domain: Shape, conditions: Sequence[Condition]) -> None:
+    """Refuse parts that are no translates of each other, at the condition that joins them."""
+    from solvers.periodicity import period_of
+    from solvers.problem import Periodic
+
+    for i, condition in enumerate(conditions):
+        if isinstance(condition, Periodic):
+            try:
+                period_of(domain, condition)
+            except RfmError as error:
+                key, _, message = str(error).partition(" ")
+                path: Path = ("boundary_conditions", i, "periodic")
+                if key == "shift" and condition.shift is not None:
+                    raise case.error((*path, key), message) from error
+                raise case.error(path, str(error), key=True) from error
 
 
 def _background_box(case: Case, domain: Shape) -> Box | None:

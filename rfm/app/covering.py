@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rfm.app.case import Case
+from rfm.app.yaml_reader import Path
 from rfm.calculus.types import Array
 from rfm.errors import RfmError
 from rfm.geometry.box import Box
@@ -68,18 +69,33 @@ def _is_rest(case: Case, index: int) -> bool:
 def _claim(case: Case, domain: Shape, index: int) -> Part:
     """Part that a condition names, restricted to the piece where its comparison holds."""
     condition = case.boundary_conditions[index]
-    path = ("boundary_conditions", index, "on")
-    parts = []
-    for name in condition.on:
-        try:
-            parts.append(domain.part(name))
-        except RfmError as error:
-            raise case.error(path, str(error)) from error
+    parts = [_part(case, domain, ("boundary_conditions", index, "on"), name) for name in condition.on]
+    if condition.periodic is not None:
+        parts += _partners(case, domain, index, condition.periodic.partners, parts)
     part = reduce(lambda first, second: first | second, parts)
     if condition.where is None:
         return part
     where = condition.where.condition(case.dimension, ("boundary_conditions", index, "where"))
     return part.restricted(where, f"{part.name} where {condition.where.text}")
+
+
+def _part(case: Case, domain: Shape, path: Path, name: str) -> Part:
+    try:
+        return domain.part(name)
+    except RfmError as error:
+        raise case.error(path, str(error)) from error
+
+
+def _partners(
+    case: Case, domain: Shape, index: int, names: Sequence[str], parts: Sequence[Part]
+) -> list[Part]:
+    """Parts on the other side of a periodic condition."""
+    path: Path = ("boundary_conditions", index, "periodic", "with")
+    partners = [_part(case, domain, path, name) for name in names]
+    shared = union(parts).surfaces & union(partners).surfaces
+    if shared:
+        raise case.error(path, f"{_listed(sorted(s.name for s in shared))} cannot be its own partner")
+    return partners
 
 
 def _filled(case: Case, claimed: Mapping[int, Part]) -> Part:

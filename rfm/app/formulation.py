@@ -153,6 +153,22 @@ def _slip(case: Case, given: Any, path: Path, part: Part) -> Condition:
     return Slip(part)
 
 
+def _periodic(case: Case, given: Any, path: Path, part: Part) -> Condition:
+    """Sort the surfaces of both parts, all of which the condition claims, by their names."""
+    from rfm.geometry.part import Part
+    from solvers.problem import Periodic
+
+    second = frozenset(
+        surface for surface in part.surfaces if any(_is_called(surface.name, name) for name in given.partners)
+    )
+    names = (" | ".join(case.boundary_conditions[int(path[1])].on), " | ".join(given.partners))
+    return Periodic(Part(names[0], part.surfaces - second), Part(names[1], second), given.factor, given.shift)
+
+
+def _is_called(surface: str, name: str) -> bool:
+    return surface == name or surface.startswith(f"{name}.")
+
+
 CONDITIONS: dict[str, Callable[[Case, Any, Path, Part], Condition]] = {
     "dirichlet": _plain("Dirichlet"),
     "neumann": _plain("Neumann"),
@@ -163,5 +179,6 @@ CONDITIONS: dict[str, Callable[[Case, Any, Path, Part], Condition]] = {
     "clamped": _with_keys("Clamped"),
     "simply_supported": _with_keys("SimplySupported"),
     "free": _with_keys("Free"),
+    "periodic": _periodic,
 }
 """What builds each condition."""

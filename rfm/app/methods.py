@@ -17,6 +17,7 @@ PLACES: dict[str, Path] = {
     "degree": ("discretization", "degree"),
     "basis": ("discretization", "basis"),
     "linear": ("solver", "linear"),
+    "conditions": ("solver", "conditions"),
 }
 """Keys of what can fail to combine."""
 

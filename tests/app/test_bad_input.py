@@ -47,6 +47,19 @@ def written(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*")}
 
 
+BOX = """\
+rfm: 1
+geometry:
+  shapes: {box: {rectangle: {min: [0, 0], max: [1, 1]}}}
+  domain: box
+equation: {poisson: {source: 1}}
+boundary_conditions:
+  - {on: box.left, periodic: {with: box.right}}
+  - {on: rest, dirichlet: 0}
+discretization: {degree: 2, grid: 12}
+"""
+
+
 def refuse(folder: Path, text: str, place: str, *words: str, command: str = "run", code: int = 2) -> str:
     (folder / "case.yaml").write_text(text)
     result = invoke(command, "case.yaml")
@@ -358,3 +371,46 @@ def test_contradictory_corner_is_a_warning(folder):
     assert result.exit_code == 0, result.stderr
     assert "warning: " in result.output
     assert "differ by 1" in result.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "words"),
+    [
+        (
+            "with: box.right",
+            "with: box.rigth",
+            "7:37",
+            "has no part 'box.rigth', did you mean",
+        ),
+        ("with: box.right", "with: box.left", "7:37", "box.left cannot be its own partner"),
+        ("with: box.right", "with: box.top", "7:20", "box.left and box.top do not face each other"),
+        ("with: box.right", "factor: 1", "7:20", "the key 'with' is missing"),
+        (
+            "with: box.right",
+            "with: box.right, factor: 2",
+            "7:56",
+            "must be 1, or -1 of an antiperiodic field",
+        ),
+        (
+            "with: box.right",
+            "with: box.right, shift: [1, 1]",
+            "7:55",
+            "must be (1, 0), the way from box.left to",
+        ),
+        ("{on: box.left, p", "{on: box.left, where: y > 0.5, p", "7:20", "has no where"),
+        ("on: box.left", "on: all", "7:10", "joins two parts: name the one here, the other in 'with'"),
+        ("grid: 12}", "grid: 12, basis: legendre}", "9:46", "use basis: web-spline"),
+        ("grid: 12}", "spacing: 0.3}", "9:38", "must divide the period 1 along x, got 0.3"),
+        (
+            "grid: 12}",
+            "grid: 12, box: [[-1, 0], [1, 1]]}",
+            "9:44",
+            "must end at the periodic parts, x = 0 and 1",
+        ),
+        ("on: rest, dirichlet: 0", "on: rest, dirichlet: x", "6:1", "are not periodic along x"),
+        ("on: rest, dirichlet: 0}", "on: box.top, dirichlet: 0}", "6:1", "no condition on box.bottom"),
+    ],
+)
+def test_periodic_conditions_that_cannot_be(folder, old, new, place, words):
+    assert BOX.count(old) == 1
+    refuse(folder, BOX.replace(old, new), place, words)

@@ -121,6 +121,13 @@ def _robin(data: Mapping[str, Any]) -> str:
     return f"k ∂u/∂n + ({text(data.get('coefficient'))}) u = {text(data.get('value'))}"
 
 
+def _periodic(data: Mapping[str, Any]) -> str:
+    sign = "−" if is_number(data.get("factor", 1), -1) else ""
+    partner = data.get("with", "")
+    names = partner if isinstance(partner, str) else ", ".join(partner)
+    return f"u(x + T) = {sign}u(x), with {names},"
+
+
 def _free(value: Any) -> Any:
     return ["free" if item is None else item for item in value] if isinstance(value, list) else value
 
@@ -134,6 +141,7 @@ CONDITIONS: dict[str, Callable[[Any], str]] = {
     "slip": lambda _: "u·n = 0",
     "clamped": lambda data: f"w = {text(data.get('value', 0))}, ∂w/∂n = {text(data.get('slope', 0))}",
     "simply_supported": lambda data: f"w = {text(data.get('value', 0))}, M = {text(data.get('moment', 0))}",
+    "periodic": _periodic,
     "free": lambda data: f"M = {text(data.get('moment', 0))}, V = {text(data.get('shear', 0))}",
 }
 """How each condition is written."""

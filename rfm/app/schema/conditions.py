@@ -10,6 +10,7 @@ from pydantic_core import CoreSchema
 
 from rfm.app.expressions import Expression
 from rfm.app.schema.base import Strict
+from rfm.app.schema.periodic import PeriodicData
 from rfm.app.schema.scalars import FROM_EXACT, Comparison, Datum, DatumOrExact, PartNames, fail, shown
 from rfm.app.schema.vectors import ComponentsOrExact, Prescribed
 from rfm.app.yaml_reader import Path
@@ -17,9 +18,9 @@ from rfm.app.yaml_reader import Path
 ZERO = Expression("0")
 
 KINDS_OF = {
-    "poisson": ("dirichlet", "neumann", "robin"),
-    "elasticity": ("dirichlet", "traction", "pressure", "slip"),
-    "plate": ("clamped", "simply_supported", "free"),
+    "poisson": ("dirichlet", "neumann", "robin", "periodic"),
+    "elasticity": ("dirichlet", "traction", "pressure", "slip", "periodic"),
+    "plate": ("clamped", "simply_supported", "free", "periodic"),
 }
 """Kinds of condition by equation."""
 
@@ -102,6 +103,9 @@ class BoundaryCondition(Strict):
     clamped: ClampedEdge | None = Field(default=None, description="w = value, dw/dn = slope")
     simply_supported: SupportedEdge | None = Field(default=None, description="w = value, M = moment")
     free: FreeEdge | None = Field(default=None, description="M = moment, V = shear")
+    periodic: PeriodicData | None = Field(
+        default=None, description="u(x + T) = factor u(x) between two opposite parts"
+    )
 
     @model_validator(mode="after")
     def _one_kind(self, info: ValidationInfo) -> BoundaryCondition:
@@ -111,6 +115,12 @@ class BoundaryCondition(Strict):
                 raise fail(f"{name!r} stands alone, it cannot be combined with other parts", value=("on",))
         if "rest" in self.on and self.where is not None:
             raise fail("'rest' takes what is left and has no where; name the parts instead", key=("where",))
+        if self.periodic is not None and self.where is not None:
+            raise fail("a periodic condition holds on whole parts and has no where", key=("where",))
+        if self.periodic is not None and {"all", "rest"} & set(self.on):
+            raise fail(
+                "a periodic condition joins two parts: name the one here, the other in 'with'", value=("on",)
+            )
         return self
 
     @property
