@@ -13,9 +13,9 @@ over all B-splines, and finally passes to the unknowns of the space, :math:`E A 
 extension E of :mod:`solvers.extension`. The multi-indices are numbered as in
 :func:`rfm.calculus.jets.multi_indices`.
 
-Each kind of batch has its own element integrals (:mod:`solvers.assembly_tensor`,
-:mod:`solvers.assembly_points`); both use the parities of :mod:`solvers.assembly_parity` and add to the stencil of
-:mod:`solvers.assembly_stencil`.
+Scattered points become tensor nodes without an error (:mod:`solvers.assembly_folding`), but for a few cells.  Each
+kind of nodes has its own element integrals (:mod:`solvers.assembly_tensor`, :mod:`solvers.assembly_points`); both use
+the parities of :mod:`solvers.assembly_parity` and add to the stencil of :mod:`solvers.assembly_stencil`.
 """
 
 from __future__ import annotations
@@ -27,12 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rfm.calculus.types import Array
-from solvers.assembly_parity import Form, Key, entry_shifts, load_form, matrix_forms
+from solvers.assembly_folding import parts
+from solvers.assembly_parity import Form, Key, entry_shifts, load_form, matrix_forms, table
 from solvers.assembly_points import element_entries
 from solvers.assembly_reduction import reduce_load, reduce_matrix
 from solvers.assembly_stencil import Stencil
 from solvers.assembly_tensor import TensorPlan, plan, workspace
 from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.splines import tables
 from solvers.web import SplineSpace
 
 ELEMENTS = 200_000
@@ -81,13 +83,17 @@ class Assembler:
             return
         matrix = _present(blocks, 2, self.symmetric)
         vector = _present(loads, 1)
-        cells = np.ravel_multi_index(tuple(np.asarray(batch.cells).T), self.space.shape)
-        add = self._add_tensor if isinstance(batch, TensorBatch) else self._add_points
-        if matrix:
-            for form in matrix_forms(tuple(sorted(matrix)), self._spacing, self.symmetric):
-                add(batch.nodes, cells, form, matrix, self.stencil.array(form.parity))
-        if vector:
-            add(batch.nodes, cells, load_form(tuple(sorted(vector)), self._spacing), vector, self.load)
+        degree = 2 * self.space.degree
+        for where, nodes, quadratic, linear in parts(
+            batch, matrix, vector, self.space.delicate_cells, degree
+        ):
+            cells = np.ravel_multi_index(tuple(np.asarray(where).T), self.space.shape)
+            add = self._add_tensor if nodes.ndim == 1 else self._add_points
+            if quadratic:
+                for form in matrix_forms(tuple(sorted(quadratic)), self._spacing, self.symmetric):
+                    add(nodes, cells, form, quadratic, self.stencil.array(form.parity))
+            if linear:
+                add(nodes, cells, load_form(tuple(sorted(linear)), self._spacing), linear, self.load)
 
     def finish(self) -> tuple[Any, Array]:
         """Matrix and load of the unknowns.
@@ -106,7 +112,8 @@ class Assembler:
     ) -> None:
         key = (form, nodes.tobytes())
         if key not in self._plans:
-            self._plans[key] = plan(form, self.space.degree, nodes)
+            phi = tables(self.space.degree, nodes, form.order)
+            self._plans[key] = plan(form, lambda kind: table(phi, kind))
         steps = self._plans[key]
         shifts = entry_shifts(form.parity, self.space.degree, self.space.shape)
         chunk = max(16, ELEMENTS // steps.rows)

@@ -170,11 +170,6 @@ def entry_shifts(form_parity: Parity, degree: int, shape: tuple[int, ...]) -> ND
     return total
 
 
-def entries(form: Form, degree: int, axis: int) -> int:
-    """Number of table entries of `form` in direction `axis`."""
-    return len(pairs(degree, form.parity[axis]).lower) if form.parity else degree + 1
-
-
 def _kinds(r: int, s: int) -> Kinds:
     """Kinds that the pair of orders r and s splits into."""
     low, high = min(r, s), max(r, s)

@@ -13,14 +13,13 @@ product is a small constant matrix times a long one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from rfm.calculus.types import Array
-from solvers.assembly_parity import Form, Key, Kinds, Sources, entries, table
-from solvers.splines import tables
+from solvers.assembly_parity import Form, Key, Kind, Kinds, Sources
 
 
 @dataclass(frozen=True)
@@ -86,11 +85,11 @@ class TensorPlan:
         return out
 
 
-def plan(form: Form, degree: int, nodes: Array) -> TensorPlan:
-    """Contractions of `form` on the tensor grid of `nodes`."""
-    phi = tables(degree, nodes, form.order)
-    dimension = len(form.terms[0][0])
-    counts = [entries(form, degree, axis) for axis in range(dimension)]
+def plan(form: Form, table: Callable[[Kind], Array]) -> TensorPlan:
+    """Contractions of `form` with tables (m, entries) of its kinds at the m nodes of a direction."""
+    kinds = form.terms[0][0]
+    dimension = len(kinds)
+    counts = [table(kind).shape[1] for kind in kinds]
 
     def node(suffix: Kinds, level: int) -> Leaf | Contraction:
         """Everything whose tables from direction `level` on are `suffix`."""
@@ -98,7 +97,7 @@ def plan(form: Form, degree: int, nodes: Array) -> TensorPlan:
         if level == 0:
             return Leaf(matching[0][1])
         heads = sorted({kinds[level - 1] for kinds, _ in matching})
-        stacked = np.concatenate([table(phi, head).T for head in heads], axis=1)
+        stacked = np.concatenate([table(head).T for head in heads], axis=1)
         children = tuple(node((head, *suffix), level - 1) for head in heads)
         return Contraction(
             level - 1, int(np.prod(counts[: level - 1])), np.ascontiguousarray(stacked), children

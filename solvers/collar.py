@@ -22,7 +22,6 @@ from solvers.background import Background
 from solvers.extension import extend, no_extension, touched
 from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointRule, TensorBatch
-from solvers.quadrature.moments import fold
 from solvers.quadrature.tensor import inner_rule
 from solvers.web import INNER, SplineSpace
 
@@ -75,7 +74,7 @@ def collar_space(background: Background, basis: str, degree: int, w: Field, reac
     return SplineSpace(grid, degree, build(inner, relevant, degree))
 
 
-def split(background: Background, near: Mask, points: int, nodes: int) -> tuple[Background, Background]:
+def split(background: Background, near: Mask, points: int) -> tuple[Background, Background]:
     """Far and near part of the volume rules; the boundary rules go with the near part.
 
     Parameters
@@ -85,9 +84,7 @@ def split(background: Background, near: Mask, points: int, nodes: int) -> tuple[
     near
         The cells of the near part, a mask of the grid's shape.
     points
-        Gauss points a direction in the inner cells of the near part.
-    nodes
-        Nodes a direction of its moment-fitted cut cells.
+        Gauss points a direction in the inner cells of the near part; its cut cells keep their rules, not folded.
     """
     rules, folded = background.rules, background.folded
     inner_near, cut_near = near[tuple(rules.inner.cells.T)], near[tuple(rules.cut.cells.T)]
@@ -97,23 +94,22 @@ def split(background: Background, near: Mask, points: int, nodes: int) -> tuple[
         cut=rules.cut.take(np.flatnonzero(~cut_near)),
         boundary={},
     )
-    near_cut = rules.cut.take(np.flatnonzero(cut_near))
     near_rules = replace(
-        rules, inner=inner_rule(background.grid, rules.inner.cells[inner_near], points), cut=near_cut
+        rules,
+        inner=inner_rule(background.grid, rules.inner.cells[inner_near], points),
+        cut=rules.cut.take(np.flatnonzero(cut_near)),
     )
     far = replace(background, rules=far_rules, folded=None if folded is None else rows_of(folded, ~cut_near))
-    return far, replace(
-        background, rules=near_rules, folded=None if folded is None else fold(near_cut, nodes)
-    )
+    return far, replace(background, rules=near_rules, folded=None)
 
 
 def split_off(background: Background, chosen: Mask) -> tuple[Background, Integers]:
-    """Background without the volume rules of some cells (a mask of the grid's shape), and these cells (n, d)."""
-    rules, folded = background.rules, background.folded
+    """Collar without the volume rules of some cells (a mask of the grid's shape), and these cells (n, d)."""
+    rules = background.rules
     inner, cut = chosen[tuple(rules.inner.cells.T)], chosen[tuple(rules.cut.cells.T)]
     left = replace(rules, inner=rows_of(rules.inner, ~inner), cut=rules.cut.take(np.flatnonzero(~cut)))
     cells = np.concatenate([rules.inner.cells[inner], rules.cut.cells[cut]])
-    return replace(background, rules=left, folded=None if folded is None else rows_of(folded, ~cut)), cells
+    return replace(background, rules=left), cells
 
 
 def rows_of(batch: TensorBatch, chosen: Mask) -> TensorBatch:

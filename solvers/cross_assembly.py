@@ -4,13 +4,15 @@ r"""Assembly of a form between two different spline spaces on one grid.
           \partial^\alpha B_i(x_k)\, \partial^{\alpha'} B'_j(x_k)
 
 The second space is a small one (a collar near part of the boundary), so the cells that neither space uses are
-skipped and the rest is done cell by cell with dense tables.
+skipped.  Elements come as for one space: factorised on tensor nodes, which scattered points are turned into
+(:mod:`solvers.assembly_folding`).  They are added in place to an array indexed by the offset ``j - i`` and by the
+number of i among the splines that live on the used cells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import reduce
+from collections.abc import Mapping
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
@@ -18,12 +20,19 @@ from numpy.typing import NDArray
 
 from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
+from solvers.assembly_folding import parts
+from solvers.assembly_parity import Form, Kind
+from solvers.assembly_tensor import TensorPlan, plan, workspace
+from solvers.extension import touched
+from solvers.point_tables import order_of, spline_table
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.splines import tables
 from solvers.web import SplineSpace
 
-WORK = 4_000_000
-"""Numbers in the tables of one chunk of cells."""
+ELEMENTS = 200_000
+"""Numbers in the elements of one chunk of cells on tensor nodes."""
+
+Blocks = Mapping[tuple[int, int], Array]
 
 
 class CrossAssembler:
@@ -38,14 +47,20 @@ class CrossAssembler:
     def __init__(self, rows: SplineSpace, columns: SplineSpace) -> None:
         self.rows, self.columns = rows, columns
         self._used = used_cells(rows) & used_cells(columns)
-        self._triplets: list[tuple[NDArray[np.int64], NDArray[np.int64], Array]] = []
+        self._delicate = rows.delicate_cells | columns.delicate_cells
+        self._dofs = np.flatnonzero(touched(self._used, rows.degree))
+        self._number = np.zeros(int(np.prod(rows.shape)), dtype=np.intp)
+        self._number[self._dofs] = np.arange(len(self._dofs))
+        local = [np.indices((space.degree + 1,) * len(rows.shape)) for space in (rows, columns)]
+        self._first = np.ravel_multi_index(tuple(local[0]), rows.shape).ravel()
+        self._offsets = (rows.degree + columns.degree + 1,) * len(rows.shape)
+        offset = [b.ravel() - a.ravel()[:, None] + rows.degree for a, b in zip(*local, strict=True)]
+        self._offset = np.ravel_multi_index(tuple(offset), self._offsets)
+        self._band = np.zeros(int(np.prod(self._offsets)) * len(self._dofs))
+        self._plans: dict[tuple[Form, bytes], TensorPlan] = {}
+        self._work = workspace(len(rows.shape))
 
-    def add(
-        self,
-        batch: TensorBatch | PointBatch,
-        blocks: Mapping[tuple[int, int], Array],
-        loads: Mapping[int, Array],
-    ) -> None:
+    def add(self, batch: TensorBatch | PointBatch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
         """Add the integrals over `batch`; there are no loads between two spaces.
 
         Raises
@@ -58,39 +73,79 @@ class CrossAssembler:
         chosen = np.flatnonzero(self._used[tuple(batch.cells.T)])
         if not len(chosen) or not blocks:
             return
-        order = order_of(blocks, len(self.rows.shape))
-        nodes = node_table(batch)
-        sizes = [(space.degree + 1) ** len(space.shape) for space in (self.rows, self.columns)]
-        step = max(1, WORK // (nodes.shape[1] * sum(sizes) * len(multi_indices(len(self.rows.shape), order))))
-        for start in range(0, len(chosen), step):
-            piece = chosen[start : start + step]
-            where = nodes if len(nodes) == 1 else nodes[piece]
-            left, right = (spline_table(space, where, order) for space in (self.rows, self.columns))
-            element = np.zeros((len(piece), *sizes))
-            for alpha in {a for a, _ in blocks}:
-                image = sum(
-                    values[piece][:, :, None] * right[b] for (a, b), values in blocks.items() if a == alpha
+        near = {key: values[chosen] for key, values in blocks.items()}
+        degree = self.rows.degree + self.columns.degree
+        for cells, nodes, matrix, _ in parts(batch.take(chosen), near, {}, self._delicate, degree):
+            run = self._on_nodes if nodes.ndim == 1 else self._on_points
+            first = np.ravel_multi_index(tuple(cells.T), self.rows.shape)
+            size = len(self._first) * self._offset.shape[1]
+            step = max(1, ELEMENTS // size)
+            for start in range(0, len(cells), step):
+                piece = slice(start, start + step)
+                element = run(
+                    nodes if nodes.ndim == 1 else nodes[piece], {k: a[piece] for k, a in matrix.items()}
                 )
-                element += np.matmul(left[alpha].swapaxes(1, 2), np.asarray(image))
-            first, second = (local_indices(space, batch.cells[piece]) for space in (self.rows, self.columns))
-            self._triplets.append(
-                (
-                    np.broadcast_to(first[:, :, None], element.shape).ravel(),
-                    np.broadcast_to(second[:, None, :], element.shape).ravel(),
-                    element.ravel(),
-                )
-            )
+                number = self._number[self._first[:, None] + first[piece]]
+                where = number[:, None] + len(self._dofs) * self._offset[:, :, None]
+                np.add.at(self._band, where.ravel(), element.ravel())
 
     def finish(self) -> tuple[Any, Array]:
         """Matrix (n_dofs of rows, n_dofs of columns) as CSR, and an empty load."""
         from scipy.sparse import coo_array
 
+        nonzero = np.flatnonzero(self._band)
+        offset, number = np.divmod(nonzero, max(1, len(self._dofs)))
+        i = self._dofs[number]
+        index = np.stack(np.unravel_index(i, self.rows.shape))
+        index += np.stack(np.unravel_index(offset, self._offsets)) - self.rows.degree
+        j = np.ravel_multi_index(tuple(index), self.columns.shape)
         shape = (int(np.prod(self.rows.shape)), int(np.prod(self.columns.shape)))
-        if not self._triplets:
-            return coo_array((self.rows.n_dofs, self.columns.n_dofs)).tocsr(), np.zeros(0)
-        i, j, values = (np.concatenate(part) for part in zip(*self._triplets, strict=True))
-        full = coo_array((values, (i, j)), shape=shape).tocsr()
+        full = coo_array((self._band[nonzero], (i, j)), shape=shape).tocsr()
         return (self.rows.extension @ full @ self.columns.extension.T).tocsr(), np.zeros(0)
+
+    def _on_nodes(self, nodes: Array, blocks: Blocks) -> Array:
+        """Elements (splines of rows, splines of columns, cells) on tensor nodes."""
+        form = cross_form(tuple(sorted(blocks)), tuple(float(h) for h in self.rows.grid.spacing))
+        key = (form, nodes.tobytes())
+        dimension, first, second = len(self.rows.shape), self.rows.degree + 1, self.columns.degree + 1
+        if key not in self._plans:
+            left, right = (tables(space.degree, nodes, form.order) for space in (self.rows, self.columns))
+
+            def table(kind: Kind) -> Array:
+                pairs: Array = left[kind[0]][:, :, None] * right[kind[1]][:, None, :]
+                return pairs.reshape(len(nodes), -1)
+
+            self._plans[key] = plan(form, table)
+        cells = len(next(iter(blocks.values())))
+        element = self._plans[key].run(blocks, cells, self._work)
+        # one pair of numbers a direction: first all of the rows, then all of the columns
+        split = element.reshape(*(first, second) * dimension, cells)
+        axes = (*range(0, 2 * dimension, 2), *range(1, 2 * dimension, 2), 2 * dimension)
+        ordered: Array = split.transpose(axes).reshape(first**dimension, second**dimension, cells)
+        return ordered
+
+    def _on_points(self, nodes: Array, blocks: Blocks) -> Array:
+        """Elements (splines of rows, splines of columns, cells) on points of each cell's own."""
+        order = order_of(blocks, len(self.rows.shape))
+        left, right = (spline_table(space, nodes, order) for space in (self.rows, self.columns))
+        element: Array = np.zeros(())
+        for alpha in {a for a, _ in blocks}:
+            image = sum(values[:, :, None] * right[b] for (a, b), values in blocks.items() if a == alpha)
+            element = element + np.matmul(left[alpha].swapaxes(1, 2), np.asarray(image))
+        return np.moveaxis(element, 0, -1)
+
+
+@lru_cache(maxsize=256)
+def cross_form(keys: tuple[tuple[int, int], ...], spacing: tuple[float, ...]) -> Form:
+    """Form with a table ``(r, s)`` of all pairs of splines in each direction."""
+    indices = multi_indices(len(spacing), order_of(keys, len(spacing)))
+    terms = []
+    for a, b in keys:
+        kinds = tuple(zip(indices[a], indices[b], strict=True))
+        scale = float(np.prod([h ** -(r + s) for h, (r, s) in zip(spacing, kinds, strict=True)]))
+        terms.append((kinds, (((a, b), scale),)))
+    order = max(max(kind) for kinds, _ in terms for kind in kinds)
+    return Form((), tuple(sorted(terms)), order)
 
 
 def used_cells(space: SplineSpace) -> NDArray[np.bool_]:
@@ -106,39 +161,3 @@ def used_cells(space: SplineSpace) -> NDArray[np.bool_]:
             reduce(np.logical_or, [view[s : s + cells] for s in range(space.degree + 1)]), 0, axis
         )
     return relevant
-
-
-def order_of(blocks: Mapping[tuple[int, int], Array], dimension: int) -> int:
-    """Highest derivative among the keys of `blocks`."""
-    highest = max(max(key) for key in blocks)
-    order = 0
-    while len(multi_indices(dimension, order)) <= highest:
-        order += 1
-    return order
-
-
-def node_table(batch: TensorBatch | PointBatch) -> Array:
-    """Unit coordinates (n, q, d) of a batch; n = 1 when all cells share them."""
-    return batch.unit_points()[None] if isinstance(batch, TensorBatch) else batch.nodes
-
-
-def spline_table(space: SplineSpace, nodes: Array, order: int) -> list[Array]:
-    """Derivatives of the splines of a cell at its nodes: for each multi-index an array (n, q, (p+1)^d)."""
-    line = tables(space.degree, nodes, order)  # (order + 1, n, q, d, p + 1)
-    spacing = space.grid.spacing
-    found = []
-    for alpha in multi_indices(nodes.shape[2], order):
-        factors: Sequence[Array] = [line[r, :, :, axis] / spacing[axis] ** r for axis, r in enumerate(alpha)]
-        product = factors[0]
-        for factor in factors[1:]:
-            product = (product[:, :, :, None] * factor[:, :, None, :]).reshape(*product.shape[:2], -1)
-        found.append(product)
-    return found
-
-
-def local_indices(space: SplineSpace, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Flat indices of the (p+1)^d splines on each cell, shape (n, (p+1)^d)."""
-    offsets = np.indices((space.degree + 1,) * cells.shape[1]).reshape(cells.shape[1], -1)
-    index = cells[:, :, None] + offsets[None]
-    flat: NDArray[np.int64] = np.ravel_multi_index(tuple(np.moveaxis(index, 1, 0)), space.shape)
-    return flat

@@ -7,7 +7,7 @@ work it does.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from solvers.collar import collar_space, corner_cells, only_volume, split, split
 from solvers.corner_rules import corner_rule
 from solvers.cross_assembly import used_cells
 from solvers.flux_collars import REACH, VANISHED, Collar, collared, collars_of
+from solvers.flux_conditions import has_flux
 from solvers.grid import Grid
 from solvers.problem import Discretization, Problem
 from solvers.seams import seamless_structure
@@ -41,6 +42,12 @@ class Exact:
                 f"conditions: exact contains a derivative of the spline and needs degree {order + 1} or more here, got "
                 f"{discretization.degree}: raise the degree or use conditions: natural"
             )
+
+    def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
+        """Points in the cut cells of collars, unless they are given."""
+        if discretization.quadrature_points is not None or not any(has_flux(c) for c in problem.conditions):
+            return discretization
+        return replace(discretization, quadrature_points=cut_points(discretization.degree))
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure with the collars that suit the grid."""
@@ -91,7 +98,7 @@ def regions(
         near[tuple(cells[within(c.condition.w, grid, cells, VANISHED * c.length)].T)] = True
     for space in spaces:  # where the window is tiny, the coefficients of its spline may be large
         near |= used_cells(space)
-    far, collar = split(background, near, points, points + 2)
+    far, collar = split(background, near, points)
     pairs = [(c.own, other) for c in collars for other in c.meeting]
     if not pairs or grid.dimension > 2:  # edges in space: too many cells; their raised rule has to do
         return Region(essential, far), Region(structure, collar)
@@ -114,3 +121,13 @@ def collar_points(degree: int) -> int:
     p = 4; on a rectangle one fewer costs a factor of 1.7 for p = 3.
     """
     return 2 * degree + 3
+
+
+def cut_points(degree: int) -> int:
+    """Gauss points on pieces of lines in the cut cells of a collar.
+
+    Measured on the mixed annulus: for p = 5 and N = 48 the error is 17 % larger with p + 3 points, the same to three
+    digits with p + 4 and more; for p = 2 to 4, p + 3 do.  Moment-fitted rules are of no use here: nearly all of these
+    cells fail their test of smoothness.
+    """
+    return degree + 3 if degree < 5 else degree + 4

@@ -25,6 +25,10 @@ class Mode(Protocol):
         """Refuse splines too rough for a functional with derivatives of `order`."""
         ...
 
+    def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
+        """Discretization with the number of quadrature points that the background is prepared with."""
+        ...
+
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure of a problem: all that is needed to evaluate stored splines."""
         ...
@@ -40,6 +44,10 @@ class Natural:
 
     def require(self, discretization: Discretization, order: int) -> None:
         """Nothing beyond what the method asks for."""
+
+    def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
+        """What the basis asks for."""
+        return discretization
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure of the essential conditions."""

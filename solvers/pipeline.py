@@ -17,7 +17,6 @@ from solvers.boundary import boundary_batches, outward
 from solvers.data import require_finite
 from solvers.equations.density import Density
 from solvers.kernel import excess, kernel_of
-from solvers.linear.condition import condition_number
 from solvers.method import Method, require
 from solvers.modes import mode_of
 from solvers.periodicity import fitted, periods_of, wraps_of
@@ -63,9 +62,8 @@ def solve(
     mode.require(discretization, method.order(problem))
     watch = Stopwatch(listener)
     periods = periods_of(problem)
-    background = prepare(
-        problem.domain, fitted(discretization, problem.domain, periods), watch, wraps_of(periods)
-    )
+    prepared = mode.quadrature(problem, fitted(discretization, problem.domain, periods))
+    background = prepare(problem.domain, prepared, watch, wraps_of(periods))
     with watch.phase("assembly"):
         setting = mode.setting(problem, discretization, background)
         assembler = BlockAssembler(setting.spaces, method.symmetric(problem))
@@ -73,9 +71,10 @@ def solve(
         system = method.system(assembly, watch)
     with watch.phase("solve"):
         kernel = kernel_of(problem, background, setting.spaces)
-        linear = system.solve(assembler.options(options), kernel)
         if setting.overlapping and kernel is None and isinstance(system, EnergySystem):
-            linear = replace(linear, condition=condition_number(system.matrix, system.load))
+            linear = system.solve_reporting(assembler.options(options), problem.domain.dimension)
+        else:
+            linear = system.solve(assembler.options(options), kernel)
         trial = Trial(setting.structure, assembler.functions(linear.x))
         if kernel is not None:
             fixed = linear.x - kernel.vectors @ excess(problem, trial, background, kernel)

@@ -18,10 +18,10 @@ from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.background import Background
 from solvers.bases.basis import Space
-from solvers.cross_assembly import local_indices, node_table, order_of, spline_table
 from solvers.equations.density import Density
 from solvers.equations.squares import PulledRow, SquaredDensity
 from solvers.linear.least_squares import Overdetermined
+from solvers.point_tables import local_indices, node_table, order_of, spline_table
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.web import SplineSpace
 from structures.jet_matrix import JetMatrix, stacked

@@ -11,10 +11,11 @@ from rfm.errors import NumericsError
 from solvers.kernel import Kernel
 from solvers.linear import LinearSolution
 from solvers.linear import solve as solve_linear
-from solvers.linear.condition import factorise
+from solvers.linear.condition import condition_number, factorise
 from solvers.linear.direct import refine
 from solvers.linear.least_squares import Overdetermined, solve_by_qr, work_of_qr
 from solvers.linear.nonsymmetric import solve as solve_nonsymmetric
+from solvers.linear.overlapping import solve_reporting
 from solvers.linear.system import ScaledSystem
 from solvers.problem import SolverOptions
 
@@ -60,6 +61,21 @@ class EnergySystem:
             tolerance=options.tolerance,
             null_space=None if kernel is None else kernel.vectors,
         )
+
+    def solve_reporting(self, options: SolverOptions, dimension: int) -> LinearSolution:
+        """Solve for the minimum without a kernel, and report the condition number.
+
+        Raises
+        ------
+        NumericsError
+            The system could not be solved.
+        """
+        found = None
+        if options.linear == "auto" and self.load.any():
+            found = solve_reporting(self.matrix, self.load, options.tolerance, dimension)
+        if found is not None:
+            return found
+        return replace(self.solve(options, None), condition=condition_number(self.matrix, self.load))
 
 
 @dataclass(frozen=True, eq=False)

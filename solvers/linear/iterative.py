@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,16 +15,44 @@ STALLED = 400
 """Iterations without a smaller residual after which conjugate gradients give up."""
 
 
+@dataclass
+class Record:
+    """Coefficients of conjugate gradients, which are those of Lanczos' tridiagonal matrix.
+
+    Attributes
+    ----------
+    lengths, ratios
+        alpha_k of the steps, and beta_k of the directions (the first is zero).
+    """
+
+    lengths: list[float] = field(default_factory=list)
+    ratios: list[float] = field(default_factory=list)
+
+    def condition(self) -> float:
+        """Estimate, from below, of the condition number of the preconditioned matrix."""
+        from scipy.linalg import eigvalsh_tridiagonal
+
+        alpha, beta = np.array(self.lengths), np.array(self.ratios)
+        if not len(alpha):
+            return 1.0
+        diagonal = 1.0 / alpha
+        diagonal[1:] += beta[1:] / alpha[:-1]
+        values = eigvalsh_tridiagonal(diagonal, np.sqrt(beta[1:]) / alpha[:-1])
+        return float(values[-1] / values[0])
+
+
 def conjugate_gradients(
     apply: Callable[[Array], Array],
     system: ScaledSystem,
     tolerance: float,
     limit: int,
     precondition: Callable[[Array], Array],
+    record: Record | None = None,
 ) -> tuple[Array, int]:
     """Preconditioned conjugate gradients (Hestenes and Stiefel 1952) on the complement of the null space.
 
-    The stopping test is on the residual of the original system, so that it means what is reported.
+    The stopping test is on the residual of the original system, so that it means what is reported.  The coefficients
+    are added to `record`.
 
     Raises
     ------
@@ -49,7 +77,8 @@ def conjugate_gradients(
             break
         preconditioned = system.project(precondition(remainder))
         product = float(remainder @ preconditioned)
-        direction = preconditioned + (product / old if step else 0.0) * direction
+        ratio = product / old if step else 0.0
+        direction = preconditioned + ratio * direction
         image = apply(direction)
         curvature = float(direction @ image)
         if not curvature > 0:
@@ -57,6 +86,9 @@ def conjugate_gradients(
                 return x, step
             raise NumericsError(INDEFINITE.format(why=f"negative curvature in iteration {step}"))
         length = product / curvature
+        if record is not None:
+            record.lengths.append(length)
+            record.ratios.append(ratio)
         x += length * direction
         remainder = system.project(remainder - length * image)
         old = product

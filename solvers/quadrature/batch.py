@@ -55,7 +55,7 @@ class TensorBatch:
         """Return physical coordinates, one array ``(n, m**d)`` per direction."""
         return grid.points(self.cells, self.unit_points())
 
-    def take(self, rows: slice) -> TensorBatch:
+    def take(self, rows: slice | Integers) -> TensorBatch:
         """Return some of the cells."""
         return TensorBatch(self.cells[rows], self.nodes, self.weights[rows])
 

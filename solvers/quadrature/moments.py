@@ -3,6 +3,10 @@ r"""Moment fitting: a rule on scattered points folded into weights on the Gauss 
 Notation: :math:`x_q, w_q` are the points and weights in a cell, :math:`L_k` the Lagrange basis at the tensor Gauss
 nodes, :math:`W_k = \sum_q w_q L_k(x_q)`.  The folded rule agrees with the given one on polynomials of degree ``m - 1``
 in each direction; on smooth functions the difference is their interpolation error.  Weights may be negative.
+
+With values :math:`w_q c_q` in place of the weights the sums against all polynomials of that degree stay what they are
+whatever the function c: so the assembly makes tensor cells of scattered points without an error
+(:mod:`solvers.assembly`).
 """
 
 from __future__ import annotations
@@ -16,9 +20,13 @@ from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.pieces import gauss
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rfm.calculus.types import Array
 
 POINTS_AT_ONCE = 60_000
+PRODUCTS = 250_000
+"""Numbers in the tables of one chunk of cells: they stay in the cache."""
 
 
 def fold(cut: PointBatch | PointRule, nodes_per_direction: int) -> TensorBatch:
@@ -32,39 +40,64 @@ def fold(cut: PointBatch | PointRule, nodes_per_direction: int) -> TensorBatch:
         Gauss nodes ``m`` a direction: 2p for splines of degree p, 2p + 2 for p <= 4.
     """
     m = nodes_per_direction
-    d = cut.cells.shape[1]
     t, _ = gauss(m)
-    weights = np.zeros((len(cut), m**d))
+    weights = np.zeros((len(cut), m ** cut.cells.shape[1]))
     start = 0
     for piece in cut.chunks(POINTS_AT_ONCE):
-        n = len(piece)
-        legendre = _legendre(piece.nodes, m)
-        first = legendre[:, :, 0] * piece.weights[..., None]
-        others = legendre[:, :, 1]
-        if d == 3:
-            others = (others[..., :, None] * legendre[:, :, 2, None, :]).reshape(n, -1, m * m)
-        moments = (first.transpose(0, 2, 1) @ others).reshape(n, *[m] * d)
-        weights[start : start + n] = _from_legendre(moments).reshape(n, -1)
-        start += n
+        weights[start : start + len(piece)] = nodal_moments(piece.nodes, [piece.weights], m)[:, 0]
+        start += len(piece)
     return TensorBatch(cut.cells, t, weights)
 
 
+def nodal_moments(nodes: Array, values: Sequence[Array], m: int) -> Array:
+    """Sums of values at points against the Lagrange basis at the tensor Gauss nodes.
+
+    Parameters
+    ----------
+    nodes
+        Unit coordinates of q points in each of n cells, shape (n, q, d).
+    values
+        Arrays of shape (n, q), weights included.
+    m
+        Gauss nodes a direction.
+
+    Returns
+    -------
+    ndarray, shape (n, number of values, m**d)
+    """
+    n, q, d = nodes.shape
+    found = np.empty((n, len(values), m**d))
+    step = max(1, PRODUCTS // (q * (len(values) * m + m ** (d - 1))))
+    for start in range(0, n, step):
+        piece = slice(start, start + step)
+        legendre = _legendre(np.ascontiguousarray(nodes[piece].swapaxes(1, 2)), m)
+        first, others = legendre[:, 0], legendre[:, 1]
+        if d == 3:
+            others = (others[:, :, None] * legendre[:, 2, None]).reshape(len(others), m * m, q)
+        stacked = np.stack([v[piece] for v in values], axis=1)
+        left = (stacked[:, :, None] * first[:, None]).reshape(len(others), -1, q)
+        moments = left @ others.swapaxes(1, 2)
+        found[piece] = _from_legendre(moments.reshape(-1, *[m] * d)).reshape(-1, len(values), m**d)
+    return found
+
+
 def _legendre(t: Array, count: int) -> Array:
-    """Legendre polynomials on ``[0, 1]``, shape ``(*t.shape, count)``."""
+    """Legendre polynomials on ``[0, 1]`` at ``t (..., q)``, shape ``(..., count, q)``."""
     s = 2.0 * t - 1.0
-    values = np.ones((count, *t.shape))
+    values = np.ones((*t.shape[:-1], count, t.shape[-1]))
     if count > 1:
-        values[1] = s
+        values[..., 1, :] = s
     for k in range(1, count - 1):
-        values[k + 1] = ((2 * k + 1) / (k + 1)) * s * values[k] - (k / (k + 1)) * values[k - 1]
-    return np.ascontiguousarray(np.moveaxis(values, 0, -1))
+        values[..., k + 1, :] = ((2 * k + 1) / (k + 1)) * s * values[..., k, :]
+        values[..., k + 1, :] -= (k / (k + 1)) * values[..., k - 1, :]
+    return values
 
 
 @cache
 def _legendre_to_lagrange(m: int) -> Array:
     """Return the matrix ``T`` with ``L_k = sum_j T[k, j] P_j`` (discrete orthogonality at the Gauss nodes)."""
     t, w = gauss(m)
-    return np.asarray(w[:, None] * (2.0 * np.arange(m) + 1.0) * _legendre(t, m))
+    return np.asarray(w[:, None] * (2.0 * np.arange(m) + 1.0) * _legendre(t, m).T)
 
 
 def _from_legendre(moments: Array) -> Array:
