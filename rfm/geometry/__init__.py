@@ -12,6 +12,7 @@ from rfm.geometry.part import Part
 from rfm.geometry.primitives import KINDS, function
 from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
+from rfm.geometry.sampled import sample
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
 from rfm.geometry.trimming import trimmed
@@ -38,6 +39,7 @@ __all__ = [
     "normalise",
     "polygon",
     "rectangle",
+    "sample",
     "slab",
     "strip",
     "torus",
