@@ -181,7 +181,7 @@ def _extended(exact: Field, vanishing: Field, domain: Shape) -> FieldExpr:
     coords = np.meshgrid(*lattice, indexing="ij")
     with np.errstate(all="ignore"):
         values = np.abs(np.broadcast_to(exact(*coords), coords[0].shape))
-        counted = np.isfinite(values) & (np.asarray(domain.membership(*coords)) > 0)
+        counted = np.isfinite(values) & (np.asarray(domain.sign(*coords)) > 0)
     size = float(values[counted].max(initial=0.0))
     scale = min(1.0, size) if size > 0 else 1.0
     return manufactured_extension(exact, scale * field(vanishing), domain.box)

@@ -32,8 +32,8 @@ def boundary_points(domain: Shape, part: Part, seeds: Array | None = None) -> Ar
     for piece in part.pieces:
         for surface in _sorted(piece):
             points = nearest_zeros([surface.function], starts, size_of(domain))
-            # surfaces cross the domain too: only where the membership vanishes are they boundary
-            on = np.abs(_values(domain.membership, points)) < CONVERGED * size_of(domain)
+            # surfaces cross the domain too: only where the sign vanishes are they boundary
+            on = np.abs(_values(domain.sign, points)) < CONVERGED * size_of(domain)
             found.append(points[on & np.asarray(piece.selects(points), bool)])
     return np.concatenate(found)
 
@@ -113,7 +113,7 @@ def _sorted(part: Part) -> list[Surface]:
 
 
 def _on_domain(domain: Shape, points: Array) -> Array:
-    return points[_values(domain.membership, points) > -CONVERGED * size_of(domain)]
+    return points[_values(domain.sign, points) > -CONVERGED * size_of(domain)]
 
 
 def _where(points: Array, part: Part, domain: Shape) -> Array:

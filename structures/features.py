@@ -17,21 +17,20 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
 
 import numpy as np
 
 from rfm.calculus.functions import guarded_power, maximum, sqrt
 from rfm.calculus.types import Array, Field, Value
 from rfm.errors import StructureError
-from rfm.geometry.distance import distance, normalise
+from rfm.geometry.distance import distance
+from rfm.geometry.normalisation import normalise
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from structures.contact import boundary_points, size_of, spread_points
 from structures.field_expression import FieldExpr, field
 from structures.jet_matrix import evaluate
 from structures.operator import known
-from structures.taylor import normal_derivative
 
 
 class Feature(ABC):
@@ -139,9 +138,8 @@ STEP = 0.02  # of the domain's size: far above rounding for high orders, below m
 def normalised(domain: Shape, part: Part, order: int) -> FieldExpr:
     """Return w of a part, normalised to an order that the shape really has.
 
-    (4.10) as :func:`rfm.geometry.distance.distance` has it, written with fields: they share evaluations,
-    which makes the third and fourth order fifty times faster, and start from the distance as it is instead of
-    normalising it again.
+    The distance of :func:`rfm.geometry.distance.distance`, after a look at whether the part's functions are
+    smooth enough.
 
     Parameters
     ----------
@@ -155,14 +153,7 @@ def normalised(domain: Shape, part: Part, order: int) -> FieldExpr:
     StructureError
         When the part's functions have too few derivatives, measured by the order of w - t.
     """
-    first = field(distance(domain, part))
-    w = first
-    for k in range(2, order + 1):
-        w = (
-            w
-            - (first**k / float(factorial(k)))
-            * normal_derivative(first, known(domain.dimension, w), k).offset
-        )
+    w = field(distance(domain, part, order))
     reached = _contact_order(w, domain, part, order) if order > 1 else order
     if reached < order:
         raise StructureError(

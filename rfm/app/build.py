@@ -52,10 +52,12 @@ def build_problem(case: Case) -> Problem:
 
 def build_domain(case: Case) -> Shape:
     """Domain of a case, with the surfaces of its shapes named after them."""
+    from rfm.geometry.predicate import shape as substitute
+
     shapes = {name: _shape(case, name, spec) for name, spec in case.geometry.shapes.items()}
     path: Path = ("geometry", "domain")
     try:
-        domain: Shape = case.geometry.domain.evaluate(shapes)
+        domain = substitute(case.geometry.domain.predicate, shapes).using(case.geometry.membership)
     except RfmError as error:
         raise case.error(path, str(error)) from error
     if domain.box.empty:
@@ -140,8 +142,9 @@ def _moved(shape: Shape, vector: tuple[float, ...]) -> Shape:
 def _function(case: Case, given: Function, path: Path) -> dict[str, Any]:
     from rfm.geometry.box import Box
 
-    field = given.expression.field(case.dimension, (*path, "expression"))
-    arguments = {"expression": field, "dimension": case.dimension, "degree": polynomial_degree(field.node)}
+    dimension = len(given.box[0]) if given.box is not None else case.dimension
+    field = given.expression.field(dimension, (*path, "expression"))
+    arguments = {"expression": field, "dimension": dimension, "degree": polynomial_degree(field.node)}
     return {**arguments, "box": Box(*given.box)} if given.box is not None else arguments
 
 
@@ -159,7 +162,7 @@ def _check_results(case: Case, domain: Shape) -> None:
     """Refuse probes outside the domain and integrals over unknown parts before anything is solved."""
     background = given_box(case) or domain.box
     for name, point in case.probes.items():
-        if not float(np.asarray(domain.membership(*point))) >= -1e-9 * max(background.size):
+        if not float(np.asarray(domain.sign(*point))) >= -1e-9 * max(background.size):
             raise case.error(
                 ("probes", name), f"the point lies outside the domain, which is in {_corners(domain.box)}"
             )
@@ -203,7 +206,7 @@ def _background_box(case: Case, domain: Shape) -> Box | None:
             axes[axis] = np.array([side])
             unit = np.meshgrid(*axes, indexing="ij")
             points = [low + u * size for low, u, size in zip(box.lower, unit, box.size, strict=True)]
-            if (np.asarray(domain.membership(*points)) > 1e-12 * max(box.size)).any():
+            if (np.asarray(domain.sign(*points)) > 1e-12 * max(box.size)).any():
                 raise case.error(path, f"the box cuts the domain; {bounds}")
     return box
 

@@ -30,10 +30,10 @@ def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
         A probe lies outside the domain.
     """
     results: dict[str, dict[str, Any]] = {}
-    membership = solution.problem.domain.membership
+    sign = solution.problem.domain.sign
     tolerance = 1e-9 * float(np.max(solution.background.grid.spacing))
     for name, point in case.probes.items():
-        if float(np.asarray(membership(*point))) < -tolerance:
+        if float(np.asarray(sign(*point))) < -tolerance:
             raise case.error(("probes", name), "the point lies outside the domain")
         results[name] = {
             "point": list(point),

@@ -5,11 +5,13 @@
 """
 
 from rfm.geometry.box import Box
-from rfm.geometry.distance import distance, normalise
+from rfm.geometry.distance import distance
 from rfm.geometry.extension import extend
+from rfm.geometry.normalisation import kept_order, normalise
 from rfm.geometry.outlines.polygon import polygon
 from rfm.geometry.part import Part
 from rfm.geometry.primitives import KINDS, function
+from rfm.geometry.primitives_1d import interval
 from rfm.geometry.primitives_2d import disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
 from rfm.geometry.sampled import sample
@@ -36,6 +38,8 @@ __all__ = [
     "function",
     "half_plane",
     "half_space",
+    "interval",
+    "kept_order",
     "normalise",
     "polygon",
     "rectangle",

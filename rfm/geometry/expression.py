@@ -3,31 +3,49 @@
 A literal is a surface or its complement; ``Conjunction`` is an intersection, ``Disjunction`` a union.
 Conjunction by minimum and disjunction by maximum give the exact zero set (the R1 system: Shapiro,
 Acta Numerica 2007, section 2); the same two operations on the signs -1, 0, +1 give the tri-state
-logic that cell classification needs.
+logic that cell classification needs.  A node may carry a system of R-functions of its own, which is
+used wherever the expression becomes a smooth function (``composed``); it never touches the signs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, TypeVar
 
 import numpy as np
 
+from rfm.calculus.r_systems import RSystem
 from rfm.geometry.surface import Surface
 
 T = TypeVar("T")
 Reduction = Callable[[list[T]], T]
+Leaf = Callable[[Surface, bool], T]
 
 
 @dataclass(frozen=True)
 class Expression:
     """Base of the three kinds of node."""
 
-    def fold(self, leaf: Callable[[Surface, bool], T], both: Reduction[T], either: Reduction[T]) -> T:
-        """Evaluate bottom-up with any interpretation of literals, intersections and unions."""
+    def walk(self, leaf: Leaf[T], join: Callable[[Node, list[T]], T]) -> T:
+        """Evaluate bottom-up; ``join`` gets each node with what was found for its terms."""
         raise TypeError("an expression is a Literal, a Conjunction or a Disjunction")
+
+    def fold(self, leaf: Leaf[T], both: Reduction[T], either: Reduction[T]) -> T:
+        """Evaluate bottom-up with any interpretation of literals, intersections and unions."""
+        return self.walk(leaf, lambda node, terms: (both if isinstance(node, Conjunction) else either)(terms))
+
+    def composed(self, values: Mapping[Surface, Any], default: RSystem, coords: Sequence[Any]) -> Any:
+        """R-function of the surfaces' values at coordinates; nodes without a system take ``default``."""
+        usual = default.at(*coords)
+
+        def join(node: Node, terms: list[Any]) -> Any:
+            system = usual if node.system is None else node.system.at(*coords)
+            operation = system.conjunction if isinstance(node, Conjunction) else system.disjunction
+            return operation(*terms)
+
+        return self.walk(lambda surface, positive: values[surface] if positive else -values[surface], join)
 
     def evaluate(self, values: Mapping[Surface, Any]) -> Any:
         """Min/max of the surfaces' values (a negative literal is minus its value); arrays or signs."""
@@ -52,19 +70,21 @@ class Expression:
     def mapped(self, change: Callable[[Surface], Surface]) -> Expression:
         """Replace every surface; equal surfaces stay equal."""
         table = {surface: change(surface) for surface in self.surfaces()}
-        return self.fold(
+        return self.walk(
             lambda surface, positive: Literal(table[surface], positive),
-            lambda terms: Conjunction(tuple(terms)),
-            lambda terms: Disjunction(tuple(terms)),
+            lambda node, terms: replace(node, terms=tuple(terms)),
         )
 
     def negated(self) -> Expression:
-        """Complement, again in negation normal form (De Morgan)."""
-        return self.fold(
+        """Complement, again in negation normal form (De Morgan's laws hold in every system)."""
+        return self.walk(
             lambda surface, positive: Literal(surface, not positive),
-            lambda terms: Disjunction(tuple(terms)),
-            lambda terms: Conjunction(tuple(terms)),
+            lambda node, terms: node.dual(tuple(terms), node.system),
         )
+
+    def plain(self) -> Expression:
+        """Return the same set without systems at the nodes."""
+        return self.fold(Literal, conjunction, disjunction)
 
 
 @dataclass(frozen=True)
@@ -74,41 +94,49 @@ class Literal(Expression):
     surface: Surface
     positive: bool = True
 
-    def fold(self, leaf: Callable[[Surface, bool], T], both: Reduction[T], either: Reduction[T]) -> T:
-        """See :meth:`Expression.fold`."""
+    def walk(self, leaf: Leaf[T], join: Callable[[Node, list[T]], T]) -> T:
+        """See :meth:`Expression.walk`."""
         return leaf(self.surface, self.positive)
 
 
 @dataclass(frozen=True)
-class Conjunction(Expression):
-    """Intersection of the terms (at least one)."""
+class Node(Expression):
+    """An operation on several terms (at least one), with its own system of R-functions or none."""
 
     terms: tuple[Expression, ...]
+    system: RSystem | None = None
 
-    def fold(self, leaf: Callable[[Surface, bool], T], both: Reduction[T], either: Reduction[T]) -> T:
-        """See :meth:`Expression.fold`."""
-        return both([term.fold(leaf, both, either) for term in self.terms])
+    def walk(self, leaf: Leaf[T], join: Callable[[Node, list[T]], T]) -> T:
+        """See :meth:`Expression.walk`."""
+        return join(self, [term.walk(leaf, join) for term in self.terms])
+
+    @property
+    def dual(self) -> type[Node]:
+        """The other operation."""
+        return Disjunction if isinstance(self, Conjunction) else Conjunction
 
 
 @dataclass(frozen=True)
-class Disjunction(Expression):
-    """Union of the terms (at least one)."""
-
-    terms: tuple[Expression, ...]
-
-    def fold(self, leaf: Callable[[Surface, bool], T], both: Reduction[T], either: Reduction[T]) -> T:
-        """See :meth:`Expression.fold`."""
-        return either([term.fold(leaf, both, either) for term in self.terms])
+class Conjunction(Node):
+    """Intersection of the terms."""
 
 
-def conjunction(terms: Iterable[Expression]) -> Expression:
-    """Intersection, flattened, without repeated terms and without terms the literals already decide."""
-    return _joined(terms, Conjunction, True)
+@dataclass(frozen=True)
+class Disjunction(Node):
+    """Union of the terms."""
 
 
-def disjunction(terms: Iterable[Expression]) -> Expression:
+def conjunction(terms: Iterable[Expression], system: RSystem | None = None) -> Expression:
+    """Intersection, without repeated terms and without terms the literals already decide.
+
+    Terms that are intersections by the same system are flattened.
+    """
+    return _joined(terms, Conjunction, True, system)
+
+
+def disjunction(terms: Iterable[Expression], system: RSystem | None = None) -> Expression:
     """Union, simplified like :func:`conjunction`."""
-    return _joined(terms, Disjunction, False)
+    return _joined(terms, Disjunction, False, system)
 
 
 def substituted(
@@ -116,15 +144,16 @@ def substituted(
 ) -> Expression | bool:
     """Put an expression, or a truth value, in the place of every literal, and simplify."""
 
-    def joined(terms: list[Expression | bool], neutral: bool) -> Expression | bool:
+    def joined(node: Node, terms: list[Expression | bool]) -> Expression | bool:
+        neutral = isinstance(node, Conjunction)
         if any(term is (not neutral) for term in terms):
             return not neutral
         rest = [term for term in terms if isinstance(term, Expression)]
         if not rest:
             return neutral
-        return conjunction(rest) if neutral else disjunction(rest)
+        return (conjunction if neutral else disjunction)(rest, node.system)
 
-    return expression.fold(leaf, lambda terms: joined(terms, True), lambda terms: joined(terms, False))
+    return expression.walk(leaf, joined)
 
 
 def assuming(expression: Expression, surface: Surface, inside: bool) -> Expression | bool:
@@ -136,22 +165,24 @@ def assuming(expression: Expression, surface: Surface, inside: bool) -> Expressi
 
 
 def _joined(
-    terms: Iterable[Expression], node: type[Conjunction] | type[Disjunction], neutral: bool
+    terms: Iterable[Expression], node: type[Node], neutral: bool, system: RSystem | None
 ) -> Expression:
     flat: list[Expression] = []
     for term in terms:
-        flat.extend(term.terms if isinstance(term, node) else (term,))
+        flat.extend(term.terms if isinstance(term, node) and term.system == system else (term,))
     flat = list(dict.fromkeys(flat))
     decided = {term.surface: term.positive for term in flat if isinstance(term, Literal)}
     if len(flat) > len(decided):
         flat = _propagated(flat, decided, neutral)
-        flat = _absorbed(flat)
-    return flat[0] if len(flat) == 1 else node(tuple(flat))
+        flat = _absorbed(flat, Disjunction if neutral else Conjunction)
+        if any(isinstance(term, node) and term.system == system for term in flat):
+            return _joined(flat, node, neutral, system)  # what was left of a term is such an operation itself
+    return flat[0] if len(flat) == 1 else node(tuple(flat), system)
 
 
-def _absorbed(terms: list[Expression]) -> list[Expression]:
-    """Use that ``E | (E & F) = E`` and ``E & (E | F) = E``."""
-    members = {term: frozenset(term.terms) for term in terms if isinstance(term, (Conjunction, Disjunction))}
+def _absorbed(terms: list[Expression], dual: type[Node]) -> list[Expression]:
+    """Use that ``E | (E & F) = E`` and ``E & (E | F) = E``; ``dual`` is the kind of the inner operation."""
+    members = {term: frozenset(term.terms) for term in terms if isinstance(term, dual)}
     return [
         term
         for term in terms

@@ -15,6 +15,7 @@ from rfm.geometry import support
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
 from rfm.geometry.outlines.polygon import polygon
+from rfm.geometry.primitives_1d import interval
 from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
 from rfm.geometry.shape import Shape, single
@@ -71,6 +72,7 @@ def function(
 
 KINDS: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
     {
+        "interval": interval,
         "half_plane": half_plane,
         "disk": disk,
         "ellipse": ellipse,

@@ -4,7 +4,8 @@ The closed domain of an intersection lies on the inner side of every term, so a 
 surface touches the domain only in its own part of the boundary: its carrier is used as it is.  A term
 that is a union is zero on the domain's boundary only as a whole; when all of its surfaces are wanted
 the R-disjunction of its members is the factor (sign-correct, kinks at re-entrant corners only), and
-when some are, they are trimmed by what of them is really boundary (``rfm.geometry.trimming``).
+when some are, they are trimmed by what of them is really boundary (``rfm.geometry.trimming``).  An
+intersection with a system of R-functions of its own is one factor: those of its terms, joined by it.
 
 Where a surface is boundary is decided by its *critical* condition: the rest of the expression must
 leave the decision to this surface (the Boolean difference of the two cofactors).
@@ -15,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import reduce
 
 from rfm.calculus.r_systems import RSystem
 from rfm.calculus.types import Field, Value
@@ -23,6 +25,7 @@ from rfm.geometry.expression import (
     Disjunction,
     Expression,
     Literal,
+    Node,
     assuming,
     conjunction,
     disjunction,
@@ -73,12 +76,30 @@ class Composition:
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates; every surface is evaluated once."""
         values = {surface: self.function(surface)(*coords) for surface in self.expression.surfaces()}
-        system = self.system.at(*coords)
-        return self.expression.fold(
-            lambda surface, positive: values[surface] if positive else -values[surface],
-            lambda terms: system.conjunction(*terms),
-            lambda terms: system.disjunction(*terms),
-        )
+        return self.expression.composed(values, self.system, coords)
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """Product of fields."""
+
+    fields: tuple[Field, ...]
+
+    def __call__(self, *coords: Value) -> Value:
+        """Value at the coordinates; 1 without fields."""
+        return reduce(lambda first, second: first * second, [field(*coords) for field in self.fields])
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """R-conjunction of fields."""
+
+    fields: tuple[Field, ...]
+    system: RSystem
+
+    def __call__(self, *coords: Value) -> Value:
+        """Value at the coordinates."""
+        return self.system.at(*coords).conjunction(*(field(*coords) for field in self.fields))
 
 
 def factors(
@@ -115,7 +136,7 @@ def critical(expression: Expression, surface: Surface) -> Expression | bool:
     """
     if isinstance(expression, Literal):
         return expression.surface is surface
-    if not isinstance(expression, (Conjunction, Disjunction)):
+    if not isinstance(expression, Node):
         raise TypeError("an expression is a Literal, a Conjunction or a Disjunction")
     holders = [term for term in expression.terms if surface in term.surfaces()]
     if len(holders) != 1:
@@ -138,15 +159,36 @@ class _Builder:
     chosen: Chosen
 
     def of_domain(self, expression: Expression) -> list[Factor]:
-        """Top level: terms of an intersection contribute separately."""
-        terms = expression.terms if isinstance(expression, Conjunction) else (expression,)
+        """Top level: terms of an intersection contribute separately, unless it has its own system."""
+        if not isinstance(expression, Conjunction):
+            return self._of_terms((expression,))
+        if expression.system is None:
+            return self._of_terms(expression.terms)
+        return self._as_one([self.of_domain(term) for term in expression.terms], expression.system)
+
+    def _as_one(self, groups: list[list[Factor]], system: RSystem) -> list[Factor]:
+        """Join what the terms contribute by the system of their intersection."""
+        kept = [group for group in groups if group]
+        if len(kept) < 2:
+            return kept[0] if kept else []
+        fields = tuple(
+            Product(tuple(f.field for f in group)) if len(group) > 1 else group[0].field for group in kept
+        )
+        surfaces = tuple(surface for group in kept for factor in group for surface in factor.surfaces)
+        return [Factor(Joined(fields, system), surfaces, hole=False)]
+
+    def _of_terms(self, terms: tuple[Expression, ...]) -> list[Factor]:
         relevant = [term for term in terms if self._wanted(term)]
         repeated = len({s for term in relevant for s in self._wanted(term)}) < sum(
             len(self._wanted(term)) for term in relevant
         )
         if repeated:  # a surface in several terms: separate factors would vanish there twice
             return self._of_term(conjunction(relevant))
-        return [factor for term in relevant for factor in self._of_term(term)]
+        return [factor for term in relevant for factor in self._of_member(term)]
+
+    def _of_member(self, term: Expression) -> list[Factor]:
+        """One term of an intersection: only one with its own system is an intersection again."""
+        return self.of_domain(term) if isinstance(term, Conjunction) else self._of_term(term)
 
     def _of_term(self, term: Expression) -> list[Factor]:
         if isinstance(term, Literal):

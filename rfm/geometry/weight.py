@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import reduce
 from types import MappingProxyType
 
 from rfm.calculus.functions import sqrt
@@ -31,7 +30,7 @@ from rfm.calculus.types import Field, Value
 from rfm.errors import GeometryError
 from rfm.geometry.part import Part, union
 from rfm.geometry.shape import Shape
-from rfm.geometry.vanishing import Factor, factors
+from rfm.geometry.vanishing import Factor, Joined, Product, factors
 
 FEW_HOLES = 3
 """Up to so many holes ``auto`` takes the raw product (an annulus has one)."""
@@ -80,17 +79,6 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
 
 
 @dataclass(frozen=True, eq=False)
-class Product:
-    """Product of fields."""
-
-    fields: tuple[Field, ...]
-
-    def __call__(self, *coords: Value) -> Value:
-        """Value at the coordinates; 1 without fields."""
-        return reduce(lambda first, second: first * second, [field(*coords) for field in self.fields])
-
-
-@dataclass(frozen=True, eq=False)
 class Rational:
     """``f / (1 + f / size)``: slope of f at its zeros, below ``size``; needs ``f > -size``."""
 
@@ -114,18 +102,6 @@ class Bounded:
         """Value at the coordinates."""
         value = self.field(*coords)
         return value / sqrt(1.0 + (value * value) * (1.0 / self.size**2))
-
-
-@dataclass(frozen=True, eq=False)
-class Joined:
-    """R-conjunction of fields."""
-
-    fields: tuple[Field, ...]
-    system: RSystem
-
-    def __call__(self, *coords: Value) -> Value:
-        """Value at the coordinates."""
-        return self.system.at(*coords).conjunction(*(field(*coords) for field in self.fields))
 
 
 def _one(*coords: Value) -> Value:

@@ -205,8 +205,8 @@ def boundary_frame(domain: Shape, part: Part, points: Array) -> tuple[Array, Arr
         direction = slope / length
         bend = (np.trace(hessian) - np.einsum("in,ijn,jn->n", direction, hessian, direction)) / length
         step = 1e-6 * direction
-        inside = partials(domain.membership, tuple(points + step), 0)[0]
-        outside = partials(domain.membership, tuple(points - step), 0)[0]
+        inside = partials(domain.sign, tuple(points + step), 0)[0]
+        outside = partials(domain.sign, tuple(points - step), 0)[0]
         sign = np.where(inside > outside, -1.0, 1.0)
         nearer = np.abs(jets[0]) / length < best
         best = np.where(nearer, np.abs(jets[0]) / length, best)

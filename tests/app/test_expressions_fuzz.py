@@ -119,7 +119,9 @@ def test_random_text(text):
 
 @settings(max_examples=300, deadline=None)
 @given(
-    st.lists(st.sampled_from([*"abc", *"&|-~()", "lambda", "1", ".", "not", "+"]), max_size=12).map(" ".join)
+    st.lists(
+        st.sampled_from([*"abc", *"&|-~()^", "iff(", ",", "lambda", "1", ".", "not", "+"]), max_size=12
+    ).map(" ".join)
 )
 def test_random_domains(text):
     domain = outcome(DomainExpression.parse, text)
@@ -145,6 +147,9 @@ class Set:
     def __sub__(self, other):
         return Set(self.universe, self.members - other.members)
 
+    def __xor__(self, other):
+        return Set(self.universe, self.members ^ other.members)
+
     def __invert__(self):
         return Set(self.universe, self.universe - self.members)
 
@@ -159,6 +164,11 @@ class Set:
         ("a - (b - c)", {0, 2}),
         ("a - b - c", {0}),
         ("~(a | b)", {4}),
+        ("a ^ b", {0, 3}),
+        ("a ^ b ^ c", {0, 2, 3}),
+        ("a & b ^ c | c", {1, 2}),
+        ("implies(a, b)", {1, 2, 3, 4}),
+        ("iff(a, b)", {1, 2, 4}),
     ],
 )
 def test_domains_are_set_algebra(text, members):
@@ -174,7 +184,15 @@ def test_domains_are_set_algebra(text, members):
         ("a -", 3, "ends too early"),
         ("a + b", 2, "'+'"),
         ("-a", 0, "complement is written ~"),
-        ("a(b)", 0, "only names"),
+        ("a(b)", 0, "neither implies, iff nor a system"),
+        ("imply(a)", 0, "did you mean 'implies'"),
+        ("rp3(a & b)", 0, "even p"),
+        ("ralpha1.5(a & b)", 0, "-1 < alpha < 1"),
+        ("rp4(a, b)", 0, "takes one expression"),
+        ("implies(a)", 0, "takes two shapes"),
+        ("a - b.left", 4, "'b.left' is no name of a shape"),
+        ("spline9(a & b)", 0, "spline"),
+        ("a ^ (b, c)", 4, "only names"),
         ("a b", 2, "syntax"),
         ("1", 0, "only names"),
         ("(a", 0, "never closed"),

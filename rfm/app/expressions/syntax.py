@@ -1,7 +1,8 @@
 """From text to Python's syntax tree, without evaluating anything and with offsets that fit the text.
 
-``^`` is a power here.  Python writes it ``**``, so the text is translated before it is parsed, and
-`Syntax.offset` maps a column of the translation back to the text.
+``^`` is a power in arithmetic.  Python writes it ``**``, so the text is translated before it is parsed, and
+`Syntax.offset` maps a column of the translation back to the text.  Among shapes it is the exclusive or, as in
+Python; there dots and colons are parts of names (``ralpha0.5``, ``spline3:group4``), and letters stand for them.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import ast
 import re
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rfm.errors import CaseError
@@ -16,7 +18,12 @@ from rfm.errors import CaseError
 MAX_LENGTH = 4000
 
 _ALLOWED = re.compile(r"[A-Za-z0-9_ .+\-*/^(),<>=!\s]*", re.ASCII)
-_DOMAIN_ALLOWED = re.compile(r"[A-Za-z0-9_ &|\-~()\s]*", re.ASCII)
+_DOMAIN_ALLOWED = re.compile(r"[A-Za-z0-9_ &|^@.:,\-~()\s]*", re.ASCII)
+
+_LETTERS = {".": "\u00b7", ":": "\u02d0"}
+"""Letters of Python's identifiers that occur in no text that is allowed here."""
+
+_ARITHMETIC = {"^": "**"}
 
 _REMEDIES = {
     "invalid decimal literal": "a product is written with *, as in 2*x",
@@ -60,15 +67,22 @@ def parse_arithmetic(text: str) -> Syntax:
     ExpressionError
         The text is empty, too long, holds a character that no expression needs, or is no expression.
     """
-    return _parse(text, _ALLOWED, "expression")
+    return _parse(text, _ALLOWED, _ARITHMETIC, "expression")
 
 
 def parse_boolean(text: str) -> Syntax:
-    """Syntax of an expression of shapes (names, ``& | - ~`` and parentheses)."""
-    return _parse(text, _DOMAIN_ALLOWED, "domain")
+    """Syntax of an expression of shapes (names, ``& | - ^ ~ @``, calls and parentheses)."""
+    return _parse(text, _DOMAIN_ALLOWED, _LETTERS, "domain")
 
 
-def _parse(text: str, allowed: re.Pattern[str], what: str) -> Syntax:
+def written(name: str) -> str:
+    """Name as it stands in the text of a domain."""
+    for sign, letter in _LETTERS.items():
+        name = name.replace(letter, sign)
+    return name
+
+
+def _parse(text: str, allowed: re.Pattern[str], translation: Mapping[str, str], what: str) -> Syntax:
     if not text.strip():
         raise ExpressionError(f"the {what} is empty", text, 0)
     if len(text) > MAX_LENGTH:
@@ -78,16 +92,16 @@ def _parse(text: str, allowed: re.Pattern[str], what: str) -> Syntax:
     end = match.end() if match else 0
     if end < len(text):
         raise ExpressionError(f"the character {text[end]!r} has no meaning in the {what}", text, end)
-    translated, offsets = _translate(text)
+    translated, offsets = _translate(text, translation)
     return Syntax(text, _tree(text, translated, offsets, what), offsets)
 
 
-def _translate(text: str) -> tuple[str, tuple[int, ...]]:
+def _translate(text: str, translation: Mapping[str, str]) -> tuple[str, tuple[int, ...]]:
     """Text for Python's parser on one line, and the offset in `text` of each of its characters."""
     pieces, offsets = [], []
     start = len(text) - len(text.lstrip())
     for i in range(start, len(text)):
-        piece = "**" if text[i] == "^" else " " if text[i].isspace() else text[i]
+        piece = " " if text[i].isspace() else translation.get(text[i], text[i])
         pieces.append(piece)
         offsets.extend([i] * len(piece))
     return "".join(pieces), (*offsets, len(text.rstrip()))

@@ -9,9 +9,12 @@ from pydantic import BeforeValidator, Field, PlainSerializer, ValidationInfo, Wi
 from rfm.app.domain import DomainExpression
 from rfm.app.expressions import ExpressionError
 from rfm.app.schema.base import Strict
-from rfm.app.schema.scalars import check_name, fail, shown
+from rfm.app.schema.kind import Kind
+from rfm.app.schema.scalars import Scope, check_name, fail, scope_of, shown
 from rfm.app.schema.shapes import ShapeSpec
 from rfm.app.source import nearest
+from rfm.calculus import r_systems
+from rfm.errors import RfmError
 
 
 def _domain(value: Any) -> DomainExpression:
@@ -27,8 +30,24 @@ Domain = Annotated[
     DomainExpression,
     BeforeValidator(_domain),
     PlainSerializer(lambda domain: domain.text, return_type=str),
-    WithJsonSchema({"type": "string", "description": "shapes joined by & | - ~ and parentheses"}),
+    WithJsonSchema({"type": "string", "description": "shapes joined by & | - ^ ~ @ and parentheses"}),
 ]
+
+
+def _system(value: Any) -> str:
+    if not isinstance(value, str):
+        raise fail(f"must be the name of a system of R-functions, got {shown(value)}")
+    try:
+        r_systems.system(value)
+    except RfmError as error:
+        message = str(error)
+        if message.startswith("unknown"):
+            message = f"unknown name {value!r}; {nearest(value, r_systems.NAMES, 'systems')}"
+        raise fail(message) from None
+    return value
+
+
+System = Annotated[str, BeforeValidator(_system), WithJsonSchema({"type": "string"})]
 
 
 class Geometry(Strict):
@@ -36,6 +55,9 @@ class Geometry(Strict):
 
     shapes: dict[str, ShapeSpec] = Field(description="name: {kind: arguments}")
     domain: Domain
+    membership: System = Field(
+        default="r1", description="R-functions of the domain's function, where no operation names its own"
+    )
 
     @model_validator(mode="after")
     def _names(self, info: ValidationInfo) -> Geometry:
@@ -54,4 +76,22 @@ class Geometry(Strict):
                 raise fail(
                     f"the shape {name!r} is not used by the domain; use it or remove it", key=("shapes", name)
                 )
+        self._check_dimension(scope_of(info))
         return self
+
+    def _check_dimension(self, scope: Scope) -> None:
+        """Refuse operations that do not fit the dimensions, and a domain on a line."""
+        dimensions = {name: _dimension(spec.given, scope) for name, spec in self.shapes.items()}
+        try:
+            total = self.domain.dimension(dimensions)
+        except ValueError as error:
+            raise fail(str(error), value=("domain",)) from None
+        if total == 1:
+            raise fail("the domain is one-dimensional; multiply it: disk @ interval", value=("domain",))
+
+
+def _dimension(given: Kind, scope: Scope) -> int:
+    if given.dimension:
+        return given.dimension
+    box = getattr(given, "box", None)
+    return len(box[0]) if box is not None else scope.dimension or 2

@@ -14,7 +14,7 @@ class Kind(Strict):
     Attributes
     ----------
     dimension
-        2 or 3; 0 for a kind of either dimension.
+        1, 2 or 3; 0 for a kind of dimension 2 or 3.
     """
 
     dimension: ClassVar[int] = 0

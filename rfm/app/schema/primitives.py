@@ -21,6 +21,20 @@ from rfm.app.schema.scalars import (
 )
 
 
+class Interval(Kind):
+    """Numbers between two ends, bottom and top; a factor of products such as disk @ interval."""
+
+    dimension = 1
+    min: Number
+    max: Number
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Interval:
+        if self.max <= self.min:
+            raise fail(f"must exceed min, got {self.max:g} and min {self.min:g}", value=("max",))
+        return self
+
+
 class Plane(Kind):
     """Everything on the side of a line or plane into which the normal points."""
 
@@ -162,6 +176,6 @@ class Function(Kind):
 
     @model_validator(mode="after")
     def _dimension_known(self, info: ValidationInfo) -> Function:
-        if self.box is None and scope_of(info).dimension is None:
+        if self.box is None and scope_of(info).shape_dimension is None:
             raise fail("needs a box such as [[-1, -1], [1, 1]], which also tells the dimension")
         return self

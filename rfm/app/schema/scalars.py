@@ -25,7 +25,7 @@ FROM_EXACT = "from exact"
 
 Item = TypeVar("Item")
 
-DIMENSION_WORDS = {2: "two-dimensional", 3: "three-dimensional"}
+DIMENSION_WORDS = {1: "one-dimensional", 2: "two-dimensional", 3: "three-dimensional"}
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,19 @@ class Scope:
     parameters
         Values of the parameters of the case.
     dimension
-        Dimension of its shapes; None while it is unknown, then coordinates are not counted.
+        Dimension of its domain; None while it is unknown, then coordinates are not counted.
+    product
+        Whether the domain multiplies shapes, whose dimensions are then less than its own.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     dimension: int | None = None
+    product: bool = False
+
+    @property
+    def shape_dimension(self) -> int | None:
+        """Dimension of every shape; None when it is not known or when they differ."""
+        return None if self.product else self.dimension
 
     def coordinates(self) -> tuple[str, ...]:
         """Coordinates that have a meaning in this case."""
@@ -169,11 +177,12 @@ Truth = Annotated[bool, BeforeValidator(_truth), WithJsonSchema({"type": "boolea
 
 
 def vector(value: Any, info: ValidationInfo) -> tuple[float, ...]:
-    """Coordinates of a point or direction, as many as the case has dimensions."""
-    dimension = scope_of(info).dimension
+    """Coordinates of a point or direction, as many as the shapes have dimensions."""
+    scope = scope_of(info)
+    dimension = scope.shape_dimension
     if not isinstance(value, list | tuple):
         raise fail(f"must be a list of {dimension or '2 or 3'} numbers, got {shown(value)}")
-    if len(value) != (dimension or len(value)) or len(value) not in (2, 3):
+    if len(value) != (dimension or len(value)) or not 3 >= len(value) >= 2 - scope.product:
         raise fail(f"must have {dimension or '2 or 3'} coordinates, got {len(value)}")
     return tuple(within(i, _number, item, info) for i, item in enumerate(value))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from rfm.app.domain import DomainExpression
 from rfm.app.expressions import Expression, ExpressionError
 from rfm.app.schema.scalars import Scope, check_name, shown
 from rfm.app.schema.shapes import KINDS
@@ -17,7 +18,8 @@ MAX_PARAMETERS = 500
 def scope_of_document(document: Document) -> tuple[Scope, list[CaseError]]:
     """Scope of a case and the errors in its parameters."""
     values, errors = parameters(document)
-    return Scope(values, dimension(document.data)), errors
+    found, product = dimension(document.data)
+    return Scope(values, found, product), errors
 
 
 def parameters(document: Document) -> tuple[dict[str, float], list[CaseError]]:
@@ -57,15 +59,28 @@ def _parameter(value: Any, earlier: dict[str, float]) -> float:
     return float(constant)
 
 
-def dimension(data: dict[str, Any]) -> int | None:
-    """Dimension of most shapes of a case that has not been validated; None when no shape tells it."""
+def dimension(data: dict[str, Any]) -> tuple[int | None, bool]:
+    """Dimension of the domain of a case that has not been validated, and whether it multiplies shapes.
+
+    Without a product it is that of most shapes; None when no shape tells it.
+    """
     geometry = data.get("geometry")
     shapes = geometry.get("shapes") if isinstance(geometry, dict) else None
-    if not isinstance(shapes, dict):
-        return None
-    found = [_dimension_of(shape) for shape in shapes.values() if isinstance(shape, dict)]
-    counts = Counter(item for item in found if item)
-    return counts.most_common(1)[0][0] if counts else None
+    if not isinstance(geometry, dict) or not isinstance(shapes, dict):
+        return None, False
+    found = {name: _dimension_of(shape) for name, shape in shapes.items() if isinstance(shape, dict)}
+    known = {name: item for name, item in found.items() if item}
+    try:
+        domain = DomainExpression.parse(geometry["domain"])
+    except (CaseError, KeyError, TypeError, AttributeError):
+        domain = None  # the validation of the domain says what is wrong, also with its dimension
+    if domain is not None and domain.product:
+        try:
+            return domain.dimension(known), True
+        except (ValueError, KeyError):
+            return None, True
+    counts = Counter(item for item in known.values() if item > 1)
+    return counts.most_common(1)[0][0] if counts else None, False
 
 
 def _dimension_of(shape: dict[str, Any]) -> int | None:

@@ -21,6 +21,7 @@ from rfm.app.schema.primitives import (
     Function,
     HalfPlane,
     HalfSpace,
+    Interval,
     Rectangle,
     Slab,
     Strip,
@@ -41,13 +42,13 @@ class Rotation(Strict):
     def _plain_angle(cls, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, dict):
             return {"angle": value}
-        if "axis" in value and scope_of(info).dimension == 2:
+        if "axis" in value and scope_of(info).shape_dimension == 2:
             raise fail("a rotation of the plane has no axis, only a center", key=("axis",))
         return value
 
     @model_validator(mode="after")
     def _axis_in_space(self, info: ValidationInfo) -> Rotation:
-        if scope_of(info).dimension == 3 and self.axis is None:
+        if scope_of(info).shape_dimension == 3 and self.axis is None:
             raise fail("a rotation in space needs an axis: {angle: 30, axis: [0, 0, 1]}")
         return self
 
@@ -74,6 +75,7 @@ class ShapeSpec(Strict):
     cylinder: Cylinder | None = None
     cone: Cone | None = None
     torus: Torus | None = None
+    interval: Interval | None = None
     function: Function | None = None
     scale: Positive | None = None
     rotate: Rotation | None = None
@@ -82,7 +84,7 @@ class ShapeSpec(Strict):
     @model_validator(mode="after")
     def _one_kind(self, info: ValidationInfo) -> ShapeSpec:
         name = self.one_of(KIND_NAMES, "a kind of shape")
-        kind, dimension = getattr(self, name), scope_of(info).dimension
+        kind, dimension = getattr(self, name), scope_of(info).shape_dimension
         if dimension and kind.dimension and kind.dimension != dimension:
             words = DIMENSION_WORDS
             message = f"{name} is {words[kind.dimension]}, the other shapes are {words[dimension]}"
