@@ -296,7 +296,7 @@ class Membership:
     """The R-function of an expression: Shapiro's Theorem 3, R-functions substituted for set operations."""
 
     expression: Expression
-    system: RSystem
+    system: RSystem = MINIMUM
 
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates; every surface is evaluated once."""
