@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from solvers.background import Background
-from solvers.equations.equation import Equation
 from solvers.least_squares import energy_load
 from solvers.pipeline import Assembly
+from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
 from solvers.row_assembly import CHUNK, RowAssembler
@@ -34,13 +34,13 @@ class Collocation(StrongResiduals):
     Attributes
     ----------
     points
-        Gauss points a direction in an inner cell; chosen by the degree when None.
+        Gauss points a direction in an inner cell outside of collars; chosen by the degree when None.
     """
 
     points: int | None = None
     name: str = "collocation"
 
-    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+    def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """There are only rows."""
         return ("qr",)
 
@@ -51,7 +51,8 @@ class Collocation(StrongResiduals):
         degree, full = assembly.assembler.spaces[0].degree, len(assembly.background.rules.inner.nodes)
         count = self.points or min(max(2, degree - 1), full)
         for part in assembly.parts():
-            for batch in point_batches(part.background, count):
+            finer = len(part.background.rules.inner.nodes)  # of a collar, whose integrands are steep
+            for batch in point_batches(part.background, count if finer == full else finer):
                 coords = batch.points(part.background.grid)
                 jet = stacked(part.structure, coords, self.order(problem))
                 rows.add_density(batch, self.volume(problem, coords), jet)

@@ -17,7 +17,7 @@ from solvers.equations.elasticity import Elasticity
 from solvers.equations.equation import Equation
 from solvers.equations.plate import Plate
 from solvers.equations.poisson import Poisson
-from solvers.flux_conditions import flux_condition, has_flux
+from solvers.flux_conditions import has_flux, site_of
 from solvers.method import Method, least_degree
 from solvers.methods import METHODS
 from solvers.problem import (
@@ -26,6 +26,7 @@ from solvers.problem import (
     Dirichlet,
     Free,
     Neumann,
+    Oblique,
     Periodic,
     Pressure,
     Problem,
@@ -111,7 +112,7 @@ def equation_rows() -> Iterator[Sequence[str]]:
 
 
 def _suits(method: Method, equation: Equation) -> str:
-    refusal = method.refusal(equation)
+    refusal = method.refusal(Problem(DOMAIN, equation, ()))
     return str(_order(method, equation)) if refusal is None else f"no: {refusal}"
 
 
@@ -157,6 +158,7 @@ def samples(part: Part) -> tuple[Condition, ...]:
         Dirichlet(part),
         Neumann(part),
         Robin(part),
+        Oblique(part, (1.0, 1.0)),
         Traction(part, (0.0, 0.0)),
         Pressure(part),
         Slip(part),
@@ -175,7 +177,7 @@ def _carried(equation: Equation, condition: Condition) -> str:
         return "structure"
     problem = Problem(DOMAIN, equation, (condition,))
     try:
-        flux_condition(problem, condition, field(distance(DOMAIN, condition.part)))
+        site_of(problem, condition, field(distance(DOMAIN, condition.part)))
     except DiscretizationError:
         return "no: use `conditions: natural`"
     return "structure"

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rfm.errors import DiscretizationError
 from solvers.background import Background
 from solvers.collar import collar_space, corner_cells, only_volume, split, split_off, within
 from solvers.corner_rules import corner_rule
@@ -28,20 +27,6 @@ from solvers.web import SplineSpace
 @dataclass(frozen=True)
 class Exact:
     """All conditions by structure."""
-
-    def require(self, discretization: Discretization, order: int) -> None:
-        """Refuse splines whose derivative, which the structure contains, is too rough for the functional.
-
-        Raises
-        ------
-        DiscretizationError
-            The degree is too low.
-        """
-        if discretization.degree <= order:
-            raise DiscretizationError(
-                f"conditions: exact contains a derivative of the spline and needs degree {order + 1} or more here, got "
-                f"{discretization.degree}: raise the degree or use conditions: natural"
-            )
 
     def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
         """Points in the cut cells of collars, unless they are given."""
@@ -70,10 +55,10 @@ class Exact:
             return Setting(essential, main, (Region(essential, background),))
         structure = collared(essential, collars)
         spaces = [
-            collar_space(background, discretization.basis, degree - 1, c.condition.w, REACH * c.length)
+            collar_space(background, discretization.basis, degree - 1, c.site.w, REACH * c.length)
             for c in collars
         ]
-        seconds = [space for space in spaces for _ in essential]
+        seconds = [space for space, c in zip(spaces, collars, strict=True) for _ in c.components]
         return Setting(
             structure,
             (*main, *seconds),
@@ -95,7 +80,7 @@ def regions(
     cells = np.argwhere(background.classification.state >= 0)
     near = np.zeros(background.classification.state.shape, dtype=bool)
     for c in collars:
-        near[tuple(cells[within(c.condition.w, grid, cells, VANISHED * c.length)].T)] = True
+        near[tuple(cells[within(c.site.w, grid, cells, VANISHED * c.length)].T)] = True
     for space in spaces:  # where the window is tiny, the coefficients of its spline may be large
         near |= used_cells(space)
     far, collar = split(background, near, points)

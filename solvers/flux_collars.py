@@ -17,24 +17,26 @@ import numpy as np
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array
 from rfm.geometry.distance import distance
-from solvers.flux_conditions import boundary_pieces, flux_condition, has_flux
+from solvers.flux_conditions import boundary_pieces, site_of
 from solvers.problem import Problem
+from structures.catalogue.rule import Site, even
 from structures.contact import boundary_points, meeting_points
 from structures.field_expression import FieldExpr, field
-from structures.localized import FluxCondition, localized, window
+from structures.localized import Spared, localized, supplemented, window
 from structures.operator import Operator
 
-LENGTH = 1.75
-"""l in cell widths, where there is room.  Measured (docs/structures.md): 1.5 to 2 are equally accurate; the condition
-number grows tenfold, and below more Gauss points are needed."""
+LENGTHS = {1: 1.75, 2: 1.25, 3: 1.0}
+"""l in cell widths, where there is room, by the highest order of the conditions.  Measured (docs/structures.md): for a
+flux 1.5 to 2 are equally accurate; the condition number grows tenfold, and below more Gauss points are needed.  For the
+edges of plates shorter is better."""
 ROOM = 2.0
 """Distance to the nearest other part in lengths l, at least (parts that meet do not count)."""
 VANISHED = 2.45
 """chi is zero to rounding at so many lengths: exp(-2.45^4) = 2e-16."""
 REACH = 2.2
-"""The second splines live where w is below so many lengths (3.85 cells: no multiple of half a cell, at which rounding
-would decide on aligned grids); one layer of cells fewer costs a factor of 10 in the error, one more is nearly nothing
-times large coefficients."""
+"""The second splines live where w is below so many lengths (2.2 to 3.85 cells: no multiple of half a cell, at which
+rounding would decide on aligned grids); one layer of cells fewer costs a factor of 10 in the error, one more is
+nearly nothing times large coefficients."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,28 +45,33 @@ class Collar:
 
     Attributes
     ----------
-    condition
-        The condition with its normalised function w.
+    site
+        The conditions with their normalised function w.
     length
         l of its window.
     others
-        Functions normalised on the other parts that the window has to spare.
+        Functions normalised on the other parts that the window has to spare, and to which order.
     meeting
         Those of them whose part meets this one.
     own
         Normalised on the piece alone; it differs from w where several pieces lie on one surface.
     """
 
-    condition: FluxCondition
+    site: Site
     length: float
-    others: tuple[FieldExpr, ...]
+    others: tuple[Spared, ...]
     meeting: tuple[FieldExpr, ...]
     own: FieldExpr
 
     @property
     def window(self) -> FieldExpr:
         """X of the structure."""
-        return window(self.condition.w, self.length, self.others, self.own)
+        return window(self.site.w, self.length, self.others, self.own)
+
+    @property
+    def components(self) -> tuple[int, ...]:
+        """Components of u that have a second spline here."""
+        return supplemented(self.site)
 
 
 def collars_of(problem: Problem, spacing: float) -> tuple[Collar, ...]:
@@ -84,22 +91,24 @@ def collars_of(problem: Problem, spacing: float) -> tuple[Collar, ...]:
         for w, (piece, _) in zip(ws, pieces, strict=True)
     ]
     points = [boundary_points(domain, piece) for piece, _ in pieces]
+    sites = [site_of(problem, given, carrier) for carrier, (_, given) in zip(carriers, pieces, strict=True)]
     found = []
-    for m, (piece, given) in enumerate(pieces):
-        if not has_flux(given):
+    for m, (piece, _) in enumerate(pieces):
+        if not sites[m].conditions:
             continue
         rest = [j for j in range(len(pieces)) if j != m]
         level = {j: lowest(carriers[m], points[j]) for j in rest}
-        near = [j for j in rest if level[j] < VANISHED * LENGTH * spacing]
+        widest = LENGTHS[sites[m].order] * spacing
+        near = [j for j in rest if level[j] < VANISHED * widest]
         touching = [j for j in near if len(meeting_points(domain, piece, pieces[j][0]))]
         gaps = [lowest(ws[m], points[j]) for j in near if j not in touching]
-        length = min([LENGTH * spacing, *(gap / ROOM for gap in gaps)])
+        length = min([widest, *(gap / ROOM for gap in gaps)])
         spared = [j for j in near if j in touching or level[j] < VANISHED * length]
         found.append(
             Collar(
-                flux_condition(problem, given, carriers[m]),
+                sites[m],
                 length,
-                tuple(ws[j] for j in spared),
+                tuple((ws[j], even(sites[j].kept)) for j in spared),
                 tuple(ws[j] for j in touching),
                 ws[m],
             )
@@ -115,4 +124,4 @@ def lowest(w: FieldExpr, points: Array) -> float:
 
 def collared(essential: Sequence[Operator], collars: Sequence[Collar]) -> tuple[Operator, ...]:
     """Structure that satisfies all conditions for every choice of its splines."""
-    return localized(essential, [c.condition for c in collars], [c.window for c in collars])
+    return localized(essential, [c.site for c in collars], [c.window for c in collars])

@@ -13,8 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rfm.calculus.types import Array
-from solvers.equations.density import Density
-from solvers.equations.equation import Equation
+from solvers.equations.density import Density, QuadraticDensity
 from solvers.linear import choice, nonsymmetric
 from solvers.pipeline import Assembly
 from solvers.problem import Condition, Problem
@@ -32,12 +31,12 @@ class Galerkin:
 
     name: str = "galerkin"
 
-    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+    def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """Those for symmetric matrices where there is an energy, otherwise those for general ones."""
-        return tuple(choice.METHODS if equation.symmetric else nonsymmetric.METHODS)
+        return tuple(choice.METHODS if self.symmetric(problem) else nonsymmetric.METHODS)
 
-    def refusal(self, equation: Equation) -> str | None:
-        """Every equation has a weak form."""
+    def refusal(self, problem: Problem) -> str | None:
+        """Every problem has a weak form."""
         return None
 
     def order(self, problem: Problem) -> int:
@@ -45,16 +44,16 @@ class Galerkin:
         return problem.equation.order
 
     def boundary_order(self, problem: Problem) -> int:
-        """Fluxes meet the values of the test field."""
-        return problem.equation.order - 1
+        """Fluxes meet the values of the test field; an oblique derivative has one along the boundary."""
+        return problem.equation.order - (0 if problem.oblique else 1)
 
     def symmetric(self, problem: Problem) -> bool:
-        """Advection is not."""
-        return problem.equation.symmetric
+        """Advection and oblique derivatives are not."""
+        return problem.equation.symmetric and not problem.oblique
 
     def volume(self, problem: Problem, coords: Sequence[Array], *, check: bool = True) -> Density:
         """Weak form of the equation."""
-        return problem.equation.weak_form(coords, problem.exact, check=check)
+        return self._form(problem, problem.equation.weak_form(coords, problem.exact, check=check))
 
     def boundary(
         self,
@@ -64,8 +63,13 @@ class Galerkin:
         normals: Array,
         spacing: float,
     ) -> Density | None:
-        """Weak form of a natural condition, the same as that of its energy."""
-        return Ritz().boundary(problem, condition, coords, normals, spacing)
+        """Weak form of a natural condition, the same as that of its energy where it has one."""
+        found = Ritz().boundary(problem, condition, coords, normals, spacing)
+        return None if found is None else self._form(problem, found)
+
+    def _form(self, problem: Problem, form: QuadraticDensity) -> QuadraticDensity:
+        """Return a form with both triangles where one of the forms of the problem is not symmetric."""
+        return form if self.symmetric(problem) else form.general()
 
     def system(self, assembly: Assembly, watch: Stopwatch) -> System:
         """Matrix and load of the weak form."""

@@ -24,7 +24,7 @@ from solvers.essential import prescribed
 from solvers.exact import exact_jet
 from solvers.norms import norm_batches
 from solvers.periodicity import periods_of
-from solvers.problem import Problem, Robin, Slip
+from solvers.problem import Oblique, Problem, Robin, Slip
 from solvers.solution import Trial
 
 TOLERANCE = 1e-6
@@ -90,9 +90,14 @@ def kernel_of(problem: Problem, background: Background, spaces: Sequence[Space])
     Raises
     ------
     NumericsError
-        Slip conditions leave a rigid motion free.
+        Slip conditions leave a rigid motion free, or oblique ones a constant.
     """
     motions = free_motions(problem)
+    if motions and problem.oblique:
+        raise NumericsError(
+            "oblique derivatives and fluxes alone leave a constant free, and nothing tells whether their data are "
+            "compatible: fix the solution somewhere with a Dirichlet or Robin condition"
+        )
     if motions and any(isinstance(c, Slip) for c in problem.conditions):
         _refuse_slipping(problem, background, motions)
         return None
@@ -116,7 +121,7 @@ def free_motions(problem: Problem) -> list[Motion]:
     """Motions of the equation that no condition of the problem sees; slip is not looked at."""
     dimension = problem.domain.dimension
     motions = problem.equation.motions(dimension)
-    robin = [c.coefficient for c in problem.conditions if isinstance(c, Robin)]
+    robin = [c.coefficient for c in problem.conditions if isinstance(c, Robin | Oblique)]
     if any(callable(h) or float(h) != 0.0 for h in robin):
         return []
     for period in periods_of(problem):

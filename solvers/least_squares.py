@@ -20,9 +20,9 @@ from functools import partial
 
 from rfm.calculus.types import Array
 from solvers.block_assembly import BlockAssembler
-from solvers.equations.equation import Equation
 from solvers.linear import choice
 from solvers.pipeline import Assembly
+from solvers.problem import Problem
 from solvers.ritz import Ritz
 from solvers.row_assembly import assemble_rows
 from solvers.stopwatch import Stopwatch
@@ -36,7 +36,7 @@ class LeastSquares(StrongResiduals):
 
     name: str = "least-squares"
 
-    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+    def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """QR for the rows, the others for the normal equations."""
         return ("qr", *choice.METHODS)
 

@@ -16,13 +16,12 @@ from rfm.errors import DiscretizationError
 from solvers.bases.basis import Basis
 from solvers.bases.registry import basis
 from solvers.equations.density import Density
-from solvers.flux_conditions import has_flux
+from solvers.flux_conditions import derivatives
 from solvers.problem import Condition, Discretization, Periodic, Problem, SolverOptions
 from solvers.stopwatch import Stopwatch
 from solvers.systems import System
 
 if TYPE_CHECKING:
-    from solvers.equations.equation import Equation
     from solvers.pipeline import Assembly
 
 
@@ -34,12 +33,12 @@ class Method(Protocol):
         """Name in a case file."""
         ...
 
-    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+    def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """Names of the linear solvers that suit its systems, besides ``auto``."""
         ...
 
-    def refusal(self, equation: Equation) -> str | None:
-        """Why the method does not suit the equation and which one does; None when it suits."""
+    def refusal(self, problem: Problem) -> str | None:
+        """Why the method does not suit the problem and which one does; None when it suits."""
         ...
 
     def order(self, problem: Problem) -> int:
@@ -81,12 +80,11 @@ def refused(
     method: Method, problem: Problem, discretization: Discretization, options: SolverOptions
 ) -> Refusal | None:
     """Why a method does not suit an equation, a degree or a linear solver, and the nearest that does."""
-    why = method.refusal(problem.equation)
+    why = method.refusal(problem)
     if why is not None:
-        return Refusal("method", f"the method {method.name} does not suit the equation: {why}")
-    order, added = method.order(problem), 0
-    if discretization.conditions == "exact" and any(has_flux(c) for c in problem.conditions):
-        added = 1  # the structures of flux conditions contain a derivative of the spline
+        return Refusal("method", f"the method {method.name} does not suit the problem: {why}")
+    order = method.order(problem)
+    added = derivatives(problem) if discretization.conditions == "exact" else 0
     space = basis(discretization.basis)
     if space.smoothness(discretization.degree) < order + added:
         return Refusal("degree", too_rough(method, space, order, added, discretization.degree))
@@ -109,7 +107,7 @@ def refused(
                 "conditions: exact has no collars that go on across the seam of a periodic condition: use "
                 "conditions: natural",
             )
-    suitable = method.linear_solvers(problem.equation)
+    suitable = method.linear_solvers(problem)
     if options.linear not in ("auto", *suitable):
         return Refusal(
             "linear",

@@ -21,10 +21,6 @@ from solvers.setting import Region, Setting, Structure
 class Mode(Protocol):
     """A way to meet the conditions."""
 
-    def require(self, discretization: Discretization, order: int) -> None:
-        """Refuse splines too rough for a functional with derivatives of `order`."""
-        ...
-
     def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
         """Discretization with the number of quadrature points that the background is prepared with."""
         ...
@@ -41,9 +37,6 @@ class Mode(Protocol):
 @dataclass(frozen=True)
 class Natural:
     """Essential conditions by structure, the others through the functional."""
-
-    def require(self, discretization: Discretization, order: int) -> None:
-        """Nothing beyond what the method asks for."""
 
     def quadrature(self, problem: Problem, discretization: Discretization) -> Discretization:
         """What the basis asks for."""

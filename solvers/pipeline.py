@@ -59,7 +59,6 @@ def solve(
     require_posed(problem)
     require(method, problem, discretization, options)
     mode = mode_of(discretization)
-    mode.require(discretization, method.order(problem))
     watch = Stopwatch(listener)
     periods = periods_of(problem)
     prepared = mode.quadrature(problem, fitted(discretization, problem.domain, periods))

@@ -5,7 +5,8 @@ the boundary with outward normal :math:`n` and conductivity :math:`k`,
 
 * Dirichlet  :math:`u = g`, of a vector component by component,
 * Neumann    :math:`k\,\partial u/\partial n = g` (the conormal flux),
-* Robin      :math:`k\,\partial u/\partial n + h u = g`;
+* Robin      :math:`k\,\partial u/\partial n + h u = g`,
+* Oblique    :math:`b \cdot \nabla u + h u = g` with a direction b that is nowhere tangential;
 
 of an elastic body with the stress :math:`\sigma`
 
@@ -84,6 +85,19 @@ class Robin:
 
 
 @dataclass(frozen=True)
+class Oblique:
+    """``direction . grad u + coefficient * u = value`` on ``part``: natural; there is no energy.
+
+    The direction is a vector of numbers or fields, nowhere tangential to the part; its length counts.
+    """
+
+    part: Part
+    direction: tuple[Datum, ...]
+    coefficient: Datum = 0.0
+    value: Datum | FromExact = 0.0
+
+
+@dataclass(frozen=True)
 class Traction:
     """``sigma n = traction`` on ``part``, n outward: natural."""
 
@@ -149,7 +163,17 @@ class Periodic:
 
 
 Condition = (
-    Dirichlet | Neumann | Robin | Traction | Pressure | Slip | Clamped | SimplySupported | Free | Periodic
+    Dirichlet
+    | Neumann
+    | Robin
+    | Oblique
+    | Traction
+    | Pressure
+    | Slip
+    | Clamped
+    | SimplySupported
+    | Free
+    | Periodic
 )
 
 
@@ -161,6 +185,11 @@ class Problem:
     equation: Equation
     conditions: tuple[Condition, ...]
     exact: Exact | None = None
+
+    @property
+    def oblique(self) -> bool:
+        """Whether there is an oblique derivative among the conditions, so that there is no energy."""
+        return any(isinstance(condition, Oblique) for condition in self.conditions)
 
 
 @dataclass(frozen=True)

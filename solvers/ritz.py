@@ -17,7 +17,6 @@ from rfm.calculus.types import Array
 from solvers import pipeline
 from solvers.boundary import natural_density
 from solvers.equations.density import QuadraticDensity
-from solvers.equations.equation import Equation
 from solvers.linear.choice import METHODS
 from solvers.problem import Condition, Dirichlet, Discretization, Problem, SolverOptions
 from solvers.solution import Solution
@@ -34,13 +33,19 @@ class Ritz:
 
     name: str = "ritz"
 
-    def linear_solvers(self, equation: Equation) -> tuple[str, ...]:
+    def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """Those for symmetric matrices."""
         return tuple(METHODS)
 
-    def refusal(self, equation: Equation) -> str | None:
-        """Only an equation with an energy will do."""
-        return None if equation.symmetric else "with advection there is no energy; choose method: galerkin"
+    def refusal(self, problem: Problem) -> str | None:
+        """Only a problem with an energy will do."""
+        if not problem.equation.symmetric:
+            return "with advection there is no energy; choose method: galerkin"
+        return (
+            "with an oblique derivative there is no energy; choose method: galerkin"
+            if problem.oblique
+            else None
+        )
 
     def order(self, problem: Problem) -> int:
         """Highest derivative in the energy."""

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
-from solvers.equations.equation import Equation
 from solvers.equations.rows import Row
 from solvers.equations.squares import Square, SquaredDensity
 from solvers.problem import Condition, Dirichlet, Problem
@@ -32,7 +31,7 @@ class StrongResiduals:
     weights: tuple[float, ...] = ()
     boundary_weight: float = 1.0
 
-    def refusal(self, equation: Equation) -> str | None:
+    def refusal(self, problem: Problem) -> str | None:
         """Every equation has a residual."""
         return None
 

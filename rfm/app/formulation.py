@@ -173,6 +173,7 @@ CONDITIONS: dict[str, Callable[[Case, Any, Path, Part], Condition]] = {
     "dirichlet": _plain("Dirichlet"),
     "neumann": _plain("Neumann"),
     "robin": _with_keys("Robin"),
+    "oblique": _with_keys("Oblique"),
     "traction": _plain("Traction"),
     "pressure": _plain("Pressure"),
     "slip": _slip,

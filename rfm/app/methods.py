@@ -56,8 +56,14 @@ def build_method(
         raise case.error(("solver", "weights"), message)
     refusal = refused(method, problem, discretization, options)
     if refusal is not None and refusal.of == "method" and "method" not in case.solver.model_fields_set:
-        raise case.error(("equation", case.equation.name), refusal.message, key=True)
+        raise case.error(_without_energy(case), refusal.message, key=True)
     if refusal is not None:
         raise case.error(PLACES[refusal.of], refusal.message)
     chosen: Method = replace(method, **given)
     return chosen
+
+
+def _without_energy(case: Case) -> Path:
+    """Place of what leaves a problem without an energy: an oblique derivative, or the equation."""
+    oblique = [i for i, condition in enumerate(case.boundary_conditions) if condition.kind == "oblique"]
+    return ("boundary_conditions", oblique[0], "oblique") if oblique else ("equation", case.equation.name)

@@ -62,6 +62,13 @@ class QuadraticDensity:
         """Density in the jets of the splines; see :func:`pull_back`."""
         return pull_back(self, jet, weights)
 
+    def general(self) -> QuadraticDensity:
+        """Return the same form with all its entries, as one that need not be symmetric."""
+        if not self.symmetric:
+            return self
+        mirrored = {(j, i): entry for (i, j), entry in self.hessian.items()}
+        return QuadraticDensity({**mirrored, **self.hessian}, self.linear, symmetric=False)
+
     def columns(self) -> dict[int, list[tuple[int, Scalar]]]:
         """The nonzero entries of H by column: ``(row, entry)``, both triangles."""
         found: dict[int, list[tuple[int, Scalar]]] = {}

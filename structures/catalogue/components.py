@@ -14,9 +14,9 @@ from rfm.calculus.types import Field
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.samples import BALL, RECTANGLE, first, second
-from structures.catalogue.scalar_conditions import Datum
 from structures.dirichlet import dirichlet
 from structures.operator import Operator, renumbered
 

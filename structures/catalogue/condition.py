@@ -16,10 +16,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
-from structures.field_expression import FieldExpr
+from rfm.calculus.types import Field
+from structures.field_expression import FieldExpr, field
 from structures.layers import Layers
 from structures.operator import Operator
+
+Datum = Field | FieldExpr | float
 
 
 class Condition(ABC):
@@ -47,6 +52,10 @@ class Condition(ABC):
         """The prescribed phi."""
 
     @abstractmethod
+    def prescribing(self, values: Sequence[Datum]) -> Self:
+        """Return the condition with other values phi."""
+
+    @abstractmethod
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return B u on the part."""
 
@@ -65,6 +74,59 @@ class Condition(ABC):
         return self.order > 0
 
 
+@dataclass(frozen=True, eq=False)
+class ScalarCondition(Condition):
+    """A condition with one row, B u = value."""
+
+    value: Datum
+
+    @property
+    def values(self) -> tuple[FieldExpr, ...]:
+        """The prescribed value."""
+        return (field(self.value),)
+
+    def prescribing(self, values: Sequence[Datum]) -> Self:
+        """Return the condition with another value."""
+        (value,) = values
+        return replace(self, value=value)
+
+
+@dataclass(frozen=True, eq=False)
+class VectorCondition(Condition):
+    """A condition on a vector field with a row for every component that is given; None leaves one alone."""
+
+    given: tuple[Datum | None, ...]
+
+    @property
+    def components(self) -> int:  # type: ignore[override]
+        """Number of components of u."""
+        return len(self.given)
+
+    @property
+    def fixed(self) -> tuple[int, ...]:
+        """Indices of the given components."""
+        return tuple(c for c, value in enumerate(self.given) if value is not None)
+
+    @property
+    def values(self) -> tuple[FieldExpr, ...]:
+        """The prescribed values, without the free ones."""
+        return tuple(field(value) for value in self.given if value is not None)
+
+    @property
+    def rows(self) -> frozenset[tuple[int, int]]:
+        """What is determined."""
+        return frozenset((self.order, c) for c in self.fixed)
+
+    def prescribing(self, values: Sequence[Datum]) -> Self:
+        """Return the condition with other values of the given components."""
+        table = dict(zip(self.fixed, values, strict=True))
+        return replace(self, given=tuple(table.get(c) for c in range(len(self.given))))
+
+
 def reciprocal(symbol: FieldExpr, w: FieldExpr) -> FieldExpr:
-    """Return a field equal to 1 / symbol on w = 0 that stays finite where the symbol vanishes elsewhere."""
-    return symbol / (symbol * symbol + w * w)
+    """Return a field equal to 1 / symbol on w = 0 that stays finite where the symbol vanishes elsewhere.
+
+    w^4 leaves 1 / symbol alone near the part; with w^2 the collars of an oblique derivative need half as many cells
+    more for the same error.
+    """
+    return symbol / (symbol * symbol + w**4)

@@ -20,9 +20,9 @@ import numpy as np
 
 from rfm.calculus.types import Field
 from rfm.geometry.shape import Shape
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import COUNT, Entry, Example, jets_of, random_fields, random_points
 from structures.catalogue.samples import BALL, ELLIPSE, first, positive, second
-from structures.catalogue.scalar_conditions import Datum
 from structures.catalogue.traces import BoundaryJets, boundary_frame
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field

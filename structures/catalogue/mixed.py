@@ -24,10 +24,11 @@ from collections.abc import Callable
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.rule import Site, combined
 from structures.catalogue.samples import PLATE, SHELL, first, positive, second
-from structures.catalogue.scalar_conditions import Datum, Flux
+from structures.catalogue.scalar_conditions import Flux
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
 from structures.operator import D, Operator, unknown

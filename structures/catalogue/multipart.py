@@ -28,12 +28,12 @@ from rfm.geometry.shape import Shape
 from rfm.geometry.weight import weight as weight_field
 from structures.catalogue import traces
 from structures.catalogue.compatibility import Prescribed, check
-from structures.catalogue.condition import Condition
+from structures.catalogue.condition import Condition, Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.plate_conditions import Moment, Shear
 from structures.catalogue.rule import Site, combined, even, levels
 from structures.catalogue.samples import RECTANGLE, first, positive, second
-from structures.catalogue.scalar_conditions import Datum, Flux, Value
+from structures.catalogue.scalar_conditions import Flux, Value
 from structures.catalogue.vector_conditions import Components, Traction
 from structures.dirichlet import merge
 from structures.features import normalised

@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.rule import Site, corrected
 from structures.catalogue.samples import ELLIPSE, PLATE, SHELL, first, positive
-from structures.catalogue.scalar_conditions import AnisotropicFlux, Datum
+from structures.catalogue.scalar_conditions import AnisotropicFlux
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
 from structures.operator import D, Operator, unknown

@@ -13,10 +13,11 @@ from collections.abc import Sequence
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.rule import Site, corrected
 from structures.catalogue.samples import ELLIPSE, first, second
-from structures.catalogue.scalar_conditions import Datum, Oblique
+from structures.catalogue.scalar_conditions import Oblique
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
 from structures.operator import Operator, unknown

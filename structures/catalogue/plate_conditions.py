@@ -4,7 +4,9 @@ With the stiffness D and Poisson's ratio nu (Timoshenko and Woinowsky-Krieger, T
 section 22), n outward, t = (-n_y, n_x) along the edge, H the matrix of second derivatives:
 
     M = -D (nu lap u + (1 - nu) n . H n)
-    V = -D (d(lap u)/dn + (1 - nu) d(n . H t)/ds).
+    V = -D (d(lap u)/dn + (1 - nu) d(n . H t)/ds),
+
+and where D varies, V = n . div m + d(n . m t)/ds with the moments m = -D (nu lap u I + (1 - nu) H).
 
 d/ds acts on n and t too; that is the curvature kappa of the edge: d(n . H t)/ds = u_ntt + kappa (u_tt -
 u_nn), and with u = 0 on the edge M = -D (u_nn + nu kappa u_n).  Here n = -grad w and t are fields, whose
@@ -18,27 +20,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rfm.errors import StructureError
-from structures.catalogue.condition import Condition
-from structures.catalogue.scalar_conditions import Datum
-from structures.field_expression import FieldExpr, field
+from structures.catalogue.condition import Datum, ScalarCondition
+from structures.field_expression import FieldExpr, differentiate, field, is_constant, unit
 from structures.layers import Layers, directional, partial, slopes
 from structures.operator import Operator
 
 
 @dataclass(frozen=True, eq=False)
-class Moment(Condition):
+class Moment(ScalarCondition):
     """Bending moment M = m; its symbol is -D."""
 
-    value: Datum
     poisson_ratio: float
     stiffness: Datum = 1.0
     name: str = "bending moment"
     order: int = 2
-
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed m."""
-        return (field(self.value),)
 
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return M u."""
@@ -54,29 +49,27 @@ class Moment(Condition):
 
 
 @dataclass(frozen=True, eq=False)
-class Shear(Condition):
+class Shear(ScalarCondition):
     """Kirchhoff's shear force V = v; its symbol is D (outward derivatives against the inward slope of w)."""
 
-    value: Datum
     poisson_ratio: float
     stiffness: Datum = 1.0
     name: str = "Kirchhoff shear"
     order: int = 3
 
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed v."""
-        return (field(self.value),)
-
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
-        """Return V u for constant stiffness along the normal."""
-        n_x, n_y = (-slope for slope in _plane(slopes(u[0].w, u[0].dimension)))
-        along = (-n_y, n_x)
-        twist = _second((n_x, n_y), along, u[0])
-        shear = directional((n_x, n_y), _laplacian(u[0])) + (1.0 - self.poisson_ratio) * directional(
-            along, twist
-        )
-        return [(-1.0 * field(self.stiffness)) * shear.trace]
+        """Return V u = n . div m + d(n . m t)/ds, m = -D (nu lap u I + (1 - nu) H)."""
+        n = tuple(-slope for slope in _plane(slopes(u[0].w, u[0].dimension)))
+        t = (-n[1], n[0])
+        stiffness, bending = field(self.stiffness), _laplacian(u[0])
+        changes = tuple(differentiate(stiffness, unit(2, axis)) for axis in range(2))
+        twist = (1.0 - self.poisson_ratio) * _second(n, t, u[0])
+        shear = stiffness * directional(n, bending) + directional(t, stiffness * twist)
+        if not all(is_constant(change, 0.0) for change in changes):
+            across = changes[0] * n[0] + changes[1] * n[1]
+            shear = shear + (self.poisson_ratio * across) * bending
+            shear = shear + (1.0 - self.poisson_ratio) * _second(n, changes, u[0])
+        return [-shear.trace]
 
     def solved(self, residual: Sequence[Operator], w: FieldExpr) -> list[Operator]:
         """Divide by D."""

@@ -8,6 +8,10 @@ has B u' = phi there, and the derivatives of u' below order k are those of u.  S
 are applied in ascending order, so that later ones do not disturb earlier ones.  (7.13) of Shapiro (Acta
 Numerica 16, 2007) is the case B = D: u' = psi + w (phi - D psi).
 
+Where u = g + W psi with W vanishing to order e on the part (its value is held there, e = 1), the boundary value of
+B u has no derivative of psi above order k - e: those are multiplied with W.  A part says so (:attr:`Site.held`), and
+the formulas leave them out: the edge of a simply supported plate needs first derivatives of psi, not second ones.
+
 Parts that meet, or come near each other, share the corrections by the weights (7.10)
 
     u' = u + sum_i W_i (u'_i - u),
@@ -22,13 +26,13 @@ Notation: N = grad w, u'_i the field corrected for part i alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from structures.catalogue.condition import Condition
 from structures.field_expression import FieldExpr
 from structures.layers import Layers, layer
-from structures.operator import Operator
+from structures.operator import Operator, known
 from structures.transfinite import weights
 
 
@@ -44,21 +48,32 @@ class Site:
         What holds there; none: values that are already right and must be kept.
     kept
         Derivatives of the field below this order must not be changed by other parts.
+    held
+        The order e to which the share ``W psi`` of an unknown vanishes on the part, by unknown; those not mentioned
+        may have any share.
     """
 
     w: FieldExpr
     conditions: tuple[Condition, ...]
     kept: int
+    held: Mapping[int, int] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, w: FieldExpr, conditions: Sequence[Condition]) -> Site:
+    def of(cls, w: FieldExpr, conditions: Sequence[Condition], held: Mapping[int, int] | None = None) -> Site:
         """Return a part whose conditions are to be satisfied."""
         ordered = tuple(sorted(conditions, key=lambda condition: condition.order))
-        return cls(w, ordered, max(condition.order for condition in ordered) + 1)
+        return cls(w, ordered, max(condition.order for condition in ordered) + 1, held or {})
+
+    @property
+    def order(self) -> int:
+        """Highest order of its conditions."""
+        return max(condition.order for condition in self.conditions)
 
 
-def levels(u: Sequence[Layers], conditions: Sequence[Condition]) -> list[Layers]:
-    """Return u with its levels changed so that all conditions hold on the part, in ascending order of the conditions.
+def changes(
+    u: Sequence[Layers], conditions: Sequence[Condition], held: Mapping[int, int] | None = None
+) -> list[Layers]:
+    """Return what has to be added to u so that all conditions hold on the part, in ascending order of the conditions.
 
     Parameters
     ----------
@@ -66,21 +81,46 @@ def levels(u: Sequence[Layers], conditions: Sequence[Condition]) -> list[Layers]
         The components of the field, in levels of the part's w.
     conditions
         What shall hold.
+    held
+        See :class:`Site`.
     """
-    fields = list(u)
+    found = [layer(component.w, [known(component.dimension, 0.0)]) for component in u]
     for condition in sorted(conditions, key=lambda c: c.order):
-        pairs = zip(condition.values, condition.applied(fields), strict=True)
-        changes = condition.solved([phi - found for phi, found in pairs], fields[0].w)
-        fields = [
-            component.raised(condition.order, change)
-            for component, change in zip(fields, changes, strict=True)
+        residual = [
+            phi - b for phi, b in zip(condition.values, _applied(condition, u, found, held), strict=True)
         ]
-    return fields
+        pairs = zip(found, condition.solved(residual, u[0].w), strict=True)
+        found = [component.raised(condition.order, change) for component, change in pairs]
+    return found
+
+
+def _applied(
+    condition: Condition, u: Sequence[Layers], change: Sequence[Layers], held: Mapping[int, int] | None
+) -> list[Operator]:
+    """Return B(u + change) on the part, without the derivatives of unknowns whose coefficients in B u vanish there."""
+    if not held:
+        return condition.applied([a + b for a, b in zip(u, change, strict=True)])
+    left = []
+    for b, more in zip(condition.applied(u), condition.applied(change), strict=True):
+        kept = (
+            term
+            for term in b.terms
+            if term.psi not in held or sum(term.alpha) <= condition.order - held[term.psi]
+        )
+        left.append(Operator(b.dimension, b.offset, tuple(kept)) + more)
+    return left
+
+
+def levels(
+    u: Sequence[Layers], conditions: Sequence[Condition], held: Mapping[int, int] | None = None
+) -> list[Layers]:
+    """Return u with its levels changed so that all conditions hold on the part; see :func:`changes`."""
+    return [a + b for a, b in zip(u, changes(u, conditions, held), strict=True)]
 
 
 def corrected(u: Sequence[Operator], site: Site) -> list[Operator]:
     """Return u' that satisfies the conditions of one part."""
-    return [found.total() for found in levels([layer(site.w, [c]) for c in u], site.conditions)]
+    return [found.total() for found in levels([layer(site.w, [c]) for c in u], site.conditions, site.held)]
 
 
 def combined(u: Sequence[Operator], sites: Sequence[Site], successive: bool = False) -> list[Operator]:

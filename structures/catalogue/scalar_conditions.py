@@ -6,31 +6,22 @@ program: fluxes are outward conormal ones, ``n . K grad u``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rfm.calculus.types import Field
 from rfm.errors import StructureError
-from structures.catalogue.condition import Condition, reciprocal
+from structures.catalogue.condition import Datum, ScalarCondition, reciprocal
 from structures.field_expression import ZERO, FieldExpr, field
 from structures.layers import Layers, directional, slopes
 from structures.operator import Operator
 
-Datum = Field | FieldExpr | float
-
 
 @dataclass(frozen=True, eq=False)
-class Value(Condition):
+class Value(ScalarCondition):
     """u = g."""
 
-    value: Datum
     name: str = "value"
     order: int = 0
-
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed g."""
-        return (field(self.value),)
 
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return u."""
@@ -42,22 +33,16 @@ class Value(Condition):
 
 
 @dataclass(frozen=True, eq=False)
-class Flux(Condition):
+class Flux(ScalarCondition):
     """k du/dn + h u = g, n outward: Neumann (h = 0) and Robin conditions.
 
     The symbol is -k: grad w has length one on the part.
     """
 
-    value: Datum
     conductivity: Datum = 1.0
     coefficient: Datum = 0.0
     name: str = "flux"
     order: int = 1
-
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed g."""
-        return (field(self.value),)
 
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return -k N . grad u + h u."""
@@ -70,22 +55,16 @@ class Flux(Condition):
 
 
 @dataclass(frozen=True, eq=False)
-class Oblique(Condition):
+class Oblique(ScalarCondition):
     """l . grad u + h u = g with any direction l that is nowhere tangential.
 
     The symbol is l . N.
     """
 
-    value: Datum
     direction: tuple[Datum, ...]
     coefficient: Datum = 0.0
     name: str = "oblique derivative"
     order: int = 1
-
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed g."""
-        return (field(self.value),)
 
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return l . grad u + h u."""
@@ -107,22 +86,16 @@ class Oblique(Condition):
 
 
 @dataclass(frozen=True, eq=False)
-class AnisotropicFlux(Condition):
+class AnisotropicFlux(ScalarCondition):
     """n . K grad u + h u = g with a symmetric positive definite matrix K.
 
     The symbol is -N . K N.
     """
 
-    value: Datum
     conductivity: tuple[tuple[Datum, ...], ...]
     coefficient: Datum = 0.0
     name: str = "flux"
     order: int = 1
-
-    @property
-    def values(self) -> tuple[FieldExpr, ...]:
-        """The prescribed g."""
-        return (field(self.value),)
 
     def applied(self, u: Sequence[Layers]) -> list[Operator]:
         """Return -(K N) . grad u + h u."""
@@ -139,8 +112,5 @@ class AnisotropicFlux(Condition):
         return [_sum(field(k) * s for k, s in zip(row, normal, strict=True)) for row in self.conductivity]
 
 
-def _sum(terms: object) -> FieldExpr:
-    total = ZERO
-    for term in terms:  # type: ignore[attr-defined]
-        total = total + term
-    return total
+def _sum(terms: Iterable[FieldExpr]) -> FieldExpr:
+    return sum(terms, start=ZERO)

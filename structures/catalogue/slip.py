@@ -20,11 +20,10 @@ from collections.abc import Sequence
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
-from structures.catalogue.condition import Condition
+from structures.catalogue.condition import Condition, Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.rule import Site, corrected
 from structures.catalogue.samples import PLATE, SHELL, first, positive, second
-from structures.catalogue.scalar_conditions import Datum
 from structures.catalogue.vector_conditions import Normal, Tangential
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field

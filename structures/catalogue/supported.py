@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.plate_conditions import Moment
 from structures.catalogue.rule import levels
 from structures.catalogue.samples import PLATE, first, second
-from structures.catalogue.scalar_conditions import Datum
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
 from structures.layers import layer

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.samples import ELLIPSE, first, positive, second
-from structures.catalogue.scalar_conditions import Datum
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
 from structures.operator import Operator, unknown

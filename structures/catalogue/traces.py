@@ -176,18 +176,34 @@ def tangential_components(given: Sequence[Field | float]) -> Trace:
     return Trace("tangential components", 0, residual)
 
 
-def traction(given: Sequence[Field | float], lame: tuple[float, float]) -> Trace:
-    """(lambda div u + mu (grad u + grad u^T)) n = t."""
+def traction(given: Sequence[Field | float | None], lame: tuple[float, float]) -> Trace:
+    """(lambda div u + mu (grad u + grad u^T)) n = t, for the components that are given."""
 
     def residual(u: BoundaryJets) -> Array:
-        axes = range(len(u.points))
-        slope = np.array([[u.d(c, j) for j in axes] for c in axes])
-        stress = lame[1] * (slope + slope.swapaxes(0, 1))
-        for c in axes:
-            stress[c, c] += lame[0] * np.trace(slope)
-        return np.asarray(np.einsum("cjn,jn->cn", stress, u.normal) - np.stack([u.at(g) for g in given]))
+        force = _force(u, lame)
+        return np.stack([force[c] - u.at(g) for c, g in enumerate(given) if g is not None])
 
     return Trace("traction", 1, residual)
+
+
+def tangential_traction(given: Sequence[Field | float], lame: tuple[float, float]) -> Trace:
+    """The part of the traction along the boundary."""
+
+    def residual(u: BoundaryJets) -> Array:
+        gap = _force(u, lame) - np.stack([u.at(g) for g in given])
+        return np.asarray(gap - u.normal * np.einsum("dn,dn->n", u.normal, gap))
+
+    return Trace("tangential traction", 1, residual)
+
+
+def _force(u: BoundaryJets, lame: tuple[float, float]) -> Array:
+    """Return sigma n, one row a component."""
+    axes = range(len(u.points))
+    slope = np.array([[u.d(c, j) for j in axes] for c in axes])
+    stress = lame[1] * (slope + slope.swapaxes(0, 1))
+    for c in axes:
+        stress[c, c] += lame[0] * np.trace(slope)
+    return np.asarray(np.einsum("cjn,jn->cn", stress, u.normal))
 
 
 def boundary_frame(domain: Shape, part: Part, points: Array) -> tuple[Array, Array]:

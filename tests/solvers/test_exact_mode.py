@@ -13,9 +13,10 @@ from solvers.background import prepare
 from solvers.collar import collar_space
 from solvers.corner_rules import corner_rule
 from solvers.equations.elasticity import Elasticity
+from solvers.equations.energy import Energy
 from solvers.equations.plate import Plate
 from solvers.equations.poisson import Poisson
-from solvers.flux_collars import LENGTH, ROOM, collars_of
+from solvers.flux_collars import LENGTHS, ROOM, collars_of
 from solvers.grid import Grid
 from solvers.modes import mode_of
 from solvers.norms import boundary_errors, error_norms
@@ -198,19 +199,19 @@ def test_only_essential_conditions_change_nothing():
 
 def test_collars_fit_between_the_parts():
     (wide,), (narrow,) = collars_of(MIXED, 0.02), collars_of(MIXED, 0.2)
-    assert wide.length == pytest.approx(LENGTH * 0.02)
+    assert wide.length == pytest.approx(LENGTHS[1] * 0.02)
     assert wide.others == ()
     assert narrow.length == pytest.approx(0.1875 / ROOM)  # w = 0.1875 on the inner circle
     assert len(narrow.others) == 1
     bottom = collars_of(FOUR, 0.02)[0]
-    assert bottom.length == pytest.approx(LENGTH * 0.02)
+    assert bottom.length == pytest.approx(LENGTHS[1] * 0.02)
     assert len(bottom.meeting) == 2
 
 
 def test_collar_space_is_a_strip_of_the_space():
     background = prepare(ANNULUS, Discretization(degree=3, grid=32), Stopwatch())
     (collar,) = collars_of(MIXED, 0.025)
-    space = collar_space(background, "web-spline", 2, collar.condition.w, 0.05)
+    space = collar_space(background, "web-spline", 2, collar.site.w, 0.05)
     assert 0 < space.n_dofs < background.space.n_dofs / 2
     assert not len(space.free.exposed)
 
@@ -234,5 +235,10 @@ def test_refusals_name_the_remedy():
     with pytest.raises(DiscretizationError, match="natural, exact"):
         mode_of(Discretization(conditions="strong"))
     plate = Problem(PLATE, Plate(), (Free(PLATE.part("all")),))
-    with pytest.raises(DiscretizationError, match="conditions: natural"):
-        collars_of(plate, 0.1)
+    with pytest.raises(DiscretizationError, match=r"order 5 of the spline: use degree 5 or more .* got 4"):
+        solve(plate, 4, 8)
+    user = Problem(PLATE, Energy(lambda x, y, u: 0.5 * (u.x**2 + u.y**2)), (Neumann(PLATE.part("all")),))
+    with pytest.raises(
+        DiscretizationError, match=r"no structure for Neumann with the equation energy .all.: .* natural"
+    ):
+        solve(user, 3, 8)

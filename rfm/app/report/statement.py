@@ -128,6 +128,12 @@ def _periodic(data: Mapping[str, Any]) -> str:
     return f"u(x + T) = {sign}u(x), with {names},"
 
 
+def _oblique(data: Mapping[str, Any]) -> str:
+    direction = ", ".join(text(component) for component in data.get("direction", ()))
+    stiff = text(data.get("coefficient", 0))
+    return f"({direction})·∇u{f' + ({stiff}) u' if stiff != '0' else ''} = {text(data.get('value'))}"
+
+
 def _free(value: Any) -> Any:
     return ["free" if item is None else item for item in value] if isinstance(value, list) else value
 
@@ -136,6 +142,7 @@ CONDITIONS: dict[str, Callable[[Any], str]] = {
     "dirichlet": lambda value: f"u = {text(_free(value))}",
     "neumann": lambda value: f"k ∂u/∂n = {text(value)}",
     "robin": _robin,
+    "oblique": _oblique,
     "traction": lambda value: f"σn = {text(value)}",
     "pressure": lambda value: f"σn = −({text(value)}) n",
     "slip": lambda _: "u·n = 0",

@@ -12,13 +12,13 @@ from rfm.app.expressions import Expression
 from rfm.app.schema.base import Strict
 from rfm.app.schema.periodic import PeriodicData
 from rfm.app.schema.scalars import FROM_EXACT, Comparison, Datum, DatumOrExact, PartNames, fail, shown
-from rfm.app.schema.vectors import ComponentsOrExact, Prescribed
+from rfm.app.schema.vectors import Components, ComponentsOrExact, Prescribed
 from rfm.app.yaml_reader import Path
 
 ZERO = Expression("0")
 
 KINDS_OF = {
-    "poisson": ("dirichlet", "neumann", "robin", "periodic"),
+    "poisson": ("dirichlet", "neumann", "robin", "oblique", "periodic"),
     "elasticity": ("dirichlet", "traction", "pressure", "slip", "periodic"),
     "plate": ("clamped", "simply_supported", "free", "periodic"),
 }
@@ -32,6 +32,22 @@ class RobinData(Strict):
 
     coefficient: Datum
     value: DatumOrExact
+
+
+class ObliqueData(Strict):
+    """Direction b, coefficient h and value g of b . grad u + h u = g."""
+
+    direction: Components
+    coefficient: Datum = ZERO
+    value: DatumOrExact
+
+    @model_validator(mode="after")
+    def _has_length(self) -> ObliqueData:
+        if all(component.constant == 0 for component in self.direction):
+            raise fail(
+                "must not be zero: give the direction of the derivative, e.g. [1, 0.5]", value=("direction",)
+            )
+        return self
 
 
 class Edge(Strict):
@@ -97,6 +113,9 @@ class BoundaryCondition(Strict):
     )
     neumann: DatumOrExact | None = Field(default=None, description="k du/dn = value, n outward")
     robin: RobinData | None = Field(default=None, description="k du/dn + coefficient * u = value")
+    oblique: ObliqueData | None = Field(
+        default=None, description="direction . grad u + coefficient * u = value, nowhere tangential"
+    )
     traction: ComponentsOrExact | None = Field(default=None, description="sigma n = value, n outward")
     pressure: Datum | None = Field(default=None, description="sigma n = -value n, n outward")
     slip: Annotated[bool, BeforeValidator(_slip)] | None = Field(default=None, description="u . n = 0")
