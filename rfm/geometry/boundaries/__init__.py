@@ -5,19 +5,29 @@ closed curves and surfaces there is also a signed one, positive inside.  See doc
 """
 
 from rfm.geometry.boundaries.arcs import arc, arc_about, arc_through, circle
+from rfm.geometry.boundaries.mixed import MixedSet, mixed_set
 from rfm.geometry.boundaries.pieces import Joined, Pieces
+from rfm.geometry.boundaries.points import points
 from rfm.geometry.boundaries.segments import polyline, segment
 from rfm.geometry.boundaries.signed import Signed, signed
+from rfm.geometry.boundaries.solid_angle import signed_surface
+from rfm.geometry.boundaries.triangles import surface, triangle
 
 __all__ = [
     "Joined",
+    "MixedSet",
     "Pieces",
     "Signed",
     "arc",
     "arc_about",
     "arc_through",
     "circle",
+    "mixed_set",
+    "points",
     "polyline",
     "segment",
     "signed",
+    "signed_surface",
+    "surface",
+    "triangle",
 ]

@@ -22,7 +22,7 @@ from rfm.calculus.functions import where
 from rfm.calculus.types import Array, Value
 from rfm.errors import GeometryError
 from rfm.geometry.boundaries.ends import ball_function, trimmed_around, trimmed_carrier
-from rfm.geometry.boundaries.pieces import Curves, Joined
+from rfm.geometry.boundaries.pieces import Curves, Joined, dot
 from rfm.geometry.boundaries.segments import SAME_POINT, checked_points
 from rfm.geometry.checks import number, positive, shown, vector
 
@@ -54,12 +54,12 @@ class Arcs(Curves):
     def functions(self, *coords: Value) -> Value:
         """See :class:`Pieces`."""
         offsets = [x - c for x, c in zip(coords, self.center.T, strict=True)]
-        first, second = _dot(offsets, self.toward_middle.T), _dot(offsets, self.across.T)
+        first, second = dot(offsets, self.toward_middle.T), dot(offsets, self.across.T)
         if len(coords) == 2:
-            f = ball_function(_dot(offsets, offsets), self.radius) * self.sense
+            f = ball_function(dot(offsets, offsets), self.radius) * self.sense
             return trimmed_carrier(f, self._trim(first, second * second), self.size)
         f = ball_function(first * first + second * second, self.radius)
-        height = _dot(offsets, np.cross(self.toward_middle, self.across).T)
+        height = dot(offsets, np.cross(self.toward_middle, self.across).T)
         height = height * height
         t = self._trim(first, second * second + height)
         return trimmed_around(f * f + height, t, self.size)
@@ -188,8 +188,3 @@ def _single(center: Array, frame: Array, radius: float, half_opening: float, sen
     return Arcs(
         start, start if half_opening == math.pi else end, center[None], frame[:1], frame[1:], *numbers
     )
-
-
-def _dot(a: Sequence[Value], b: Sequence[Value] | Array) -> Value:
-    terms = [x * y for x, y in zip(a, b, strict=True)]
-    return sum(terms[1:], terms[0])

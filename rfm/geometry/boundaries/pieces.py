@@ -30,11 +30,6 @@ ENTRIES = 8 * CHUNK
 class Pieces(ABC):
     """A batch of n pieces; every field is an array with n rows."""
 
-    @property
-    @abstractmethod
-    def size(self) -> Array:
-        """Length scale of each piece, shape (n,)."""
-
     @abstractmethod
     def functions(self, *coords: Value) -> Value:
         """Return w_1 ... w_n along the last axis, at coordinates that have one more axis for them."""
@@ -43,14 +38,23 @@ class Pieces(ABC):
         """Return the batch of some of the pieces."""
         return replace(self, **{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
 
+    def __len__(self) -> int:
+        """Count the pieces."""
+        return len(getattr(self, fields(self)[0].name))
+
     def blocks(self, points: int) -> Iterator[Self]:
         """Cut the batch so that a block at so many points fits the cache."""
         step = max(1, ENTRIES // max(points, 1))
-        return (self.part(slice(start, start + step)) for start in range(0, len(self.size), step))
+        return (self.part(slice(start, start + step)) for start in range(0, len(self), step))
 
 
 class Sided(Pieces):
     """Pieces of codimension one, which have two sides: left and right of a curve, above and below a face."""
+
+    @property
+    @abstractmethod
+    def size(self) -> Array:
+        """Length scale of each piece, shape (n,)."""
 
     @abstractmethod
     def side(self, *coords: Array) -> Array:
@@ -106,11 +110,6 @@ class Joined:
         """Union of both sets of pieces."""
         return Joined((*self.batches, *other.batches), max(self.p, other.p))
 
-    @property
-    def size(self) -> float:
-        """Size of the smallest piece."""
-        return min(float(batch.size.min()) for batch in self.batches)
-
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates."""
         if all(isinstance(x, np.ndarray) for x in coords):
@@ -134,6 +133,12 @@ def in_chunks(field: Field, coords: Sequence[Array]) -> Array:
         return np.asarray(field(*flat)).reshape(shape)
     starts = range(0, flat[0].size, CHUNK)
     return np.concatenate([field(*[x[s : s + CHUNK] for x in flat]) for s in starts]).reshape(shape)
+
+
+def dot(a: Sequence[Value], b: Sequence[Value] | Array) -> Value:
+    """Scalar product of vectors that are given by their components, each an array over the pieces."""
+    terms = [x * y for x, y in zip(a, b, strict=True)]
+    return sum(terms[1:], terms[0])
 
 
 def _count(x: Value) -> int:

@@ -15,7 +15,7 @@ import numpy as np
 from rfm.calculus.types import Array, Value
 from rfm.errors import GeometryError
 from rfm.geometry.boundaries.ends import ball_function, trimmed_around, trimmed_carrier
-from rfm.geometry.boundaries.pieces import Curves, Joined
+from rfm.geometry.boundaries.pieces import Curves, Joined, dot
 from rfm.geometry.checks import shown
 
 SAME_POINT = 1e-12
@@ -42,12 +42,12 @@ class Segments(Curves):
     def functions(self, *coords: Value) -> Value:
         """See :class:`Pieces`."""
         offsets = [x - c for x, c in zip(coords, self.middle.T, strict=True)]
-        along = _sum([o * u for o, u in zip(offsets, self.direction.T, strict=True)])
+        along = dot(offsets, self.direction.T)
         if len(coords) == 2:
             f = self._across(offsets)
             return trimmed_carrier(f, ball_function(f * f + along * along, self.half), self.half)
         rests = [o - along * u for o, u in zip(offsets, self.direction.T, strict=True)]
-        squared = _sum([r * r for r in rests])
+        squared = dot(rests, rests)
         return trimmed_around(squared, ball_function(squared + along * along, self.half), self.half)
 
     def side(self, *coords: Array) -> Array:
@@ -121,7 +121,3 @@ def checked_points(points: Sequence[Sequence[float]] | Array, owner: str, least:
     if len(array) < least:
         raise GeometryError(f"{owner} needs at least {least} points, got {len(array)}")
     return array
-
-
-def _sum(terms: Sequence[Value]) -> Value:
-    return sum(terms[1:], terms[0])

@@ -120,8 +120,9 @@ def with_sign(boundary: Joined, winding: Winding, extent: float) -> Signed:
     """Signed field from the winding number; `extent` bounds the coordinates of the boundary."""
     inward = []
     for batch in boundary.batches:
-        points, normals = cast(Sided, batch).samples()
-        step = BESIDE * batch.size[:, None] * normals
+        sided = cast(Sided, batch)
+        points, normals = sided.samples()
+        step = BESIDE * sided.size[:, None] * normals
         left, right = (np.abs(winding(*(points + s * step).T)) > 0.5 for s in (1.0, -1.0))
         inward.append(left.astype(np.float64) - right)
     return Signed(boundary, winding, tuple(inward), ON_BOUNDARY * extent)

@@ -14,7 +14,7 @@ from boundary_checks import (
     cloud,
     distance_to_segments,
 )
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -100,6 +100,7 @@ def test_any_shape_of_points():
     np.testing.assert_allclose(w(x, 0.3), w(x, np.full_like(x, 0.3)), rtol=1e-14)
 
 
+@settings(max_examples=40)
 @given(
     st.integers(2, 3).flatmap(
         lambda d: arrays(

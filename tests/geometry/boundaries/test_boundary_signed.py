@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from boundary_checks import check_jets
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.path import Path
 
@@ -111,6 +111,7 @@ def test_jets_and_intervals():
     assert bounds.lo[2] < 0.0 < bounds.hi[2]
 
 
+@settings(max_examples=40)
 @given(st.integers(3, 40), st.integers(0, 1000))
 def test_random_star_shaped_polygons(count, seed):
     rng = np.random.default_rng(seed)
