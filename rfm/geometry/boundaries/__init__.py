@@ -5,6 +5,7 @@ closed curves and surfaces there is also a signed one, positive inside.  See doc
 """
 
 from rfm.geometry.boundaries.arcs import arc, arc_about, arc_through, circle
+from rfm.geometry.boundaries.beziers import bezier, spline
 from rfm.geometry.boundaries.mixed import MixedSet, mixed_set
 from rfm.geometry.boundaries.pieces import Joined, Pieces
 from rfm.geometry.boundaries.points import points
@@ -21,6 +22,7 @@ __all__ = [
     "arc",
     "arc_about",
     "arc_through",
+    "bezier",
     "circle",
     "mixed_set",
     "points",
@@ -28,6 +30,7 @@ __all__ = [
     "segment",
     "signed",
     "signed_surface",
+    "spline",
     "surface",
     "triangle",
 ]

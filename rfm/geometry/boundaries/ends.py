@@ -47,10 +47,9 @@ def trimmed_carrier(f: Value, t: Value, size: Array) -> Value:
         return hypot(f, 0.5 * excess)
     kept = value_of(t) > 0.0
     inner = where(kept, t, size)
-    own = size * size
-    root = sqrt(inner * inner + squared * squared / (squared + own))
+    root = sqrt(inner * inner + _quartic(squared, size))
     # the excess over f, as a product that has no difference of nearly equal numbers and no quotient by f
-    slope = 0.5 * f * squared / ((squared + own) * (root + inner))
+    slope = 0.5 * f * squared / ((squared + size * size) * (root + inner))
     return where(kept, absolute(f) * sqrt(slope * slope + 1.0), hypot(f, 0.5 * excess))
 
 
@@ -60,7 +59,29 @@ def trimmed_around(squared: Value, t: Value, size: Array) -> Value:
     return guarded_power(squared + excess * excess, 0.5)
 
 
+def conjunction_on_carrier(a: Value, b: Value, squared: Value, size: Array) -> Value:
+    """Conjunction of trimming functions under the condition f = 0: ``a + b - sqrt(a^2 + b^2 + q^2)``.
+
+    On the carrier it is the R_0-conjunction, off it an analytic function: the kink of R_0 where a = b = 0
+    is confined to the carrier, since only the values there matter.
+
+    Parameters
+    ----------
+    a, b
+        The functions.
+    squared
+        f^2.
+    size
+        l.
+    """
+    return a + b - guarded_power(a * a + b * b + _quartic(squared, size), 0.5)
+
+
+def _quartic(squared: Value, size: Array) -> Value:
+    """Return q^2."""
+    return squared * squared / (squared + size * size)
+
+
 def _excess(squared: Value, t: Value, size: Array) -> Value:
     """Return ``sqrt(t^2 + q^2) - t``."""
-    quartic = squared * squared / (squared + size * size)
-    return guarded_power(t * t + quartic, 0.5) - t
+    return guarded_power(t * t + _quartic(squared, size), 0.5) - t

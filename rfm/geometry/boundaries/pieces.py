@@ -108,7 +108,7 @@ class Joined:
 
     def __or__(self, other: Joined) -> Joined:
         """Union of both sets of pieces."""
-        return Joined((*self.batches, *other.batches), max(self.p, other.p))
+        return Joined(gathered([*self.batches, *other.batches]), max(self.p, other.p))
 
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates."""
@@ -122,6 +122,19 @@ class Joined:
         blocks = (block for batch in self.batches for block in batch.blocks(points))
         joints = (joint(block.functions(*wide), self.p) for block in blocks)
         return reduce(lambda a, b: joint_of_two(a, b, self.p), joints)
+
+
+def gathered(batches: Sequence[Pieces]) -> tuple[Pieces, ...]:
+    """Make one batch of those of one kind and dimension."""
+    groups: dict[tuple[object, ...], list[Pieces]] = {}
+    for batch in batches:
+        groups.setdefault((type(batch), getattr(batch, fields(batch)[0].name).shape[1:]), []).append(batch)
+    return tuple(_stacked(group) for group in groups.values())
+
+
+def _stacked(batches: Sequence[Pieces]) -> Pieces:
+    names = [item.name for item in fields(batches[0])]
+    return replace(batches[0], **{n: np.concatenate([getattr(b, n) for b in batches]) for n in names})
 
 
 def in_chunks(field: Field, coords: Sequence[Array]) -> Array:

@@ -21,10 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rfm.calculus.functions import guarded_power
 from rfm.calculus.types import Array, Value
 from rfm.errors import GeometryError
-from rfm.geometry.boundaries.ends import trimmed_carrier
+from rfm.geometry.boundaries.ends import conjunction_on_carrier, trimmed_carrier
 from rfm.geometry.boundaries.pieces import Joined, Sided, dot
 from rfm.geometry.boundaries.segments import checked_points
 from rfm.geometry.checks import shown
@@ -57,9 +56,8 @@ class Triangles(Sided):
         f = dot(offsets, self.normal.T)
         first, second, third = (dot(offsets, self.inward[:, k].T) for k in range(3))
         squared, size = f * f, self.size
-        quartic = squared * squared / (squared + size * size)
-        t = _under(_under(first, second + self.height, quartic), third, quartic)
-        return trimmed_carrier(f, t, size)
+        t = conjunction_on_carrier(first, second + self.height, squared, size)
+        return trimmed_carrier(f, conjunction_on_carrier(t, third, squared, size), size)
 
     def side(self, *coords: Array) -> Array:
         """Signed distance to the planes."""
@@ -69,11 +67,6 @@ class Triangles(Sided):
     def samples(self) -> tuple[Array, Array]:
         """Centroids and normals."""
         return self.corners.mean(axis=1), self.normal
-
-
-def _under(a: Value, b: Value, quartic: Value) -> Value:
-    """Conjunction under the condition f = 0, see the module's docstring; `quartic` is q^2."""
-    return a + b - guarded_power(a * a + b * b + quartic, 0.5)
 
 
 def triangle(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> Joined:
