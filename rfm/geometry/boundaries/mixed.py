@@ -22,9 +22,8 @@ from rfm.calculus.r_systems import R0, RSystem
 from rfm.calculus.types import Field, Value
 from rfm.errors import GeometryError
 from rfm.geometry.boundaries.pieces import Joined
-from rfm.geometry.distance import normalise
+from rfm.geometry.predicate import normalised_function
 from rfm.geometry.shape import Shape
-from rfm.geometry.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,28 +69,10 @@ def mixed_set(regions: Sequence[Shape | Field], pieces: Joined, system: RSystem 
     Raises
     ------
     GeometryError
-        When there is no region; then the function of the pieces says everything.
+        When there is no region (then the function of the pieces says everything), or Theorem 4 does not apply to a
+        shape (then give a field for it).
     """
     if not regions:
         raise GeometryError("a set of mixed dimension needs a region; without one use the pieces alone")
-    fields = tuple(region_function(r, system) if isinstance(r, Shape) else r for r in regions)
+    fields = tuple(normalised_function(r, system=system) if isinstance(r, Shape) else r for r in regions)
     return MixedSet(fields, pieces, system)
-
-
-def region_function(shape: Shape, system: RSystem = R0) -> Field:
-    """R-function of a shape, positive inside, from normalised functions of its surfaces."""
-    table = {
-        s: s.function if s.normalised else normalise(s.function, shape.dimension) for s in shape.surfaces
-    }
-
-    def function(*coords: Value) -> Value:
-        values = {surface: field(*coords) for surface, field in table.items()}
-
-        def literal(surface: Surface, positive: bool) -> Value:
-            return values[surface] if positive else -values[surface]
-
-        return shape.expression.fold(
-            literal, lambda terms: system.conjunction(*terms), lambda terms: system.disjunction(*terms)
-        )
-
-    return function
