@@ -27,8 +27,11 @@ from rfm.geometry.boundaries.cubics import Cubics
 from rfm.geometry.boundaries.pieces import Pieces, gathered
 from rfm.geometry.checks import shown
 
-LENSES = tuple(np.radians([(65.0, 75.0), (45.0, 55.0), (28.0, 36.0), (14.0, 20.0), (5.0, 8.0)]))
-"""Half angles of the lenses that are tried, and of the wider ones that nothing else may enter."""
+LENSES = tuple(np.radians([(4, 7, 9), (8, 12, 15), (20, 27, 33), (35, 44, 52), (50, 60, 68), (62, 71, 78)]))
+"""Half angles of three lenses: one that must hold the arc, the one to trim with, one that nothing else may enter.
+
+The narrowest that will do is taken: outside of it the function grows, also where F vanishes again.
+"""
 
 DEEPEST = 16
 """Halvings after which the curve is given up."""
@@ -92,7 +95,7 @@ def cubic_arcs(coefficients: Array) -> Cubics:
     while stack:
         first, last, depth = stack.pop()
         arc = _arc(_restricted(coefficients, first, last))
-        angles = [] if arc is None else [a for a, b in LENSES if arc.inside(a) and arc.alone(b, isolated)]
+        angles = [] if arc is None else [b for a, b, c in LENSES if arc.inside(a) and arc.alone(c, isolated)]
         if arc is not None and angles:
             arcs.append(_batch(arc, coefficients, first, last, angles[0]))
             continue
