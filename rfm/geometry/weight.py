@@ -64,7 +64,7 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
     Raises
     ------
     GeometryError
-        For an unknown system.
+        For an unknown system, or one with a wrong parameter.
     """
     wanted = part if isinstance(part, Part) else union(part)
     combine = COMBINATIONS.get(system)
@@ -72,7 +72,9 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
         return combine(factors(shape.expression, wanted, R0))
     try:
         chosen = r_system(system)
-    except GeometryError:
+    except GeometryError as error:
+        if not str(error).startswith("unknown"):
+            raise  # a system with a wrong parameter says what is wrong
         known = ", ".join([*COMBINATIONS, *NAMES])
         raise GeometryError(f"unknown weight {system!r}; choose one of {known}") from None
     return _conjunction(factors(shape.expression, wanted, chosen), chosen)

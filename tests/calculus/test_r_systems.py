@@ -151,6 +151,7 @@ def test_names() -> None:
         "spline2": spline_system(2),
         "spline3:group4": spline_system(3, 4),
         "spline1:group6:bound2.5": spline_system(1, 6, 2.5),
+        "spline2_group4_bound2": spline_system(2, 4, 2.0),
     }.items():
         assert system(name) == expected
     with pytest.raises(GeometryError, match="choose one of r0, r1"):

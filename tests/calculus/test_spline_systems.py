@@ -65,6 +65,8 @@ def test_continuity_of_order_k_minus_one(k: int, group: int) -> None:
         np.testing.assert_allclose(left[:below], right[:below], atol=1e-6)
         jump = max(jump, float(np.abs(left[below:] - right[below:]).max()))
     assert jump > 0.05
+    assert r.smoothness == k - 1
+    assert r.kappa(0.0, 2.0) == 0.0 < r.kappa(0.5, -2.0)
 
 
 def _bernstein(k: int, i: int, t):  # type: ignore[no-untyped-def]

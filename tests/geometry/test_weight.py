@@ -217,6 +217,10 @@ def test_unknown_system() -> None:
         GeometryError, match="unknown weight 'best'; choose one of auto, product, saturated, r0"
     ):
         g.weight(outer, outer.part("all"), "best")
+    with pytest.raises(GeometryError, match="R_p needs an even p >= 2, got 3"):
+        g.weight(outer, outer.part("all"), "rp3")
+    with pytest.raises(GeometryError, match="spline R-functions have groups 1 to 6, got 7"):
+        g.weight(outer, outer.part("all"), "spline2:group7")
 
 
 def test_extension_is_constant_along_normals() -> None:

@@ -46,9 +46,12 @@ def _weight(value: Any) -> str:
     if value not in ("auto", "product", "saturated"):
         try:
             r_systems.system(value)
-        except RfmError:
-            names = ("auto", "product", "saturated", *r_systems.NAMES)
-            raise fail(f"unknown name {value!r}; {nearest(value, names, 'weights')}") from None
+        except RfmError as error:
+            message = str(error)
+            if message.startswith("unknown"):
+                names = ("auto", "product", "saturated", *r_systems.NAMES)
+                message = f"unknown name {value!r}; {nearest(value, names, 'weights')}"
+            raise fail(message) from None
     return value
 
 

@@ -23,7 +23,7 @@ _PATTERNS: tuple[tuple[str, Callable[[re.Match[str]], RSystem]], ...] = (
     (r"rnorm(\d+)", lambda match: RNorm(int(match[1]))),
     (r"rsum(\d+)", lambda match: RSum(int(match[1]))),
     (
-        rf"spline(\d+)(?::group(\d+))?(?::bound({_NUMBER}))?",
+        rf"spline(\d+)(?:[:_]group(\d+))?(?:[:_]bound({_NUMBER}))?",
         lambda match: spline_system(int(match[1]), int(match[2] or 1), float(match[3] or 1.0)),
     ),
 )
@@ -39,7 +39,7 @@ def system(name: str) -> RSystem:
     ----------
     name
         ``r1``, ``r0``, ``r0m2``, ``rp4``, ``ralpha0.5``, ``rnorm3``, ``rsum1``, ``spline2``, ``spline3:group4``,
-        ``spline3:group4:bound2.5``.
+        ``spline3:group4:bound2.5`` (or with ``_`` for ``:``, which makes it an identifier).
 
     Raises
     ------

@@ -98,6 +98,15 @@ class RSpline(RSystem):
             raise GeometryError(f"the bound of a spline R-function must be positive, got {self.bound:g}")
         self._check_signs()
 
+    @property
+    def smoothness(self) -> int:
+        """Return k - 1."""
+        return self.degree - 1
+
+    def kappa(self, f: Value, g: Value) -> Value:
+        """Return (f g)^2: the pieces meet where one argument changes sign."""
+        return (f * g) ** 2
+
     @classmethod
     def of_bezier(cls, net: Sequence[Sequence[float]] | Array, bound: float = 1.0) -> RSpline:
         """Take all Bezier ordinates, ``net[i + k][j + k]`` being b_ij.
@@ -172,10 +181,10 @@ class RSpline(RSystem):
 
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return B r(f/B, g/B), or the disjunction by De Morgan's law."""
-        scale = (1.0 if sign < 0 else -1.0) / self.bound
-        unit = self.bound == 1.0 and sign < 0
-        value = self._spline(f, g) if unit else self._spline(f * scale, g * scale) * (1.0 / scale)
-        return value
+        if sign < 0 and self.bound == 1.0:
+            return self._spline(f, g)
+        scale = -sign * self.bound  # the disjunction is -r(-x, -y)
+        return self._spline(f * (1.0 / scale), g * (1.0 / scale)) * scale
 
     def _spline(self, x: Value, y: Value) -> Value:
         of_x, of_y = _basis(x, self.degree), _basis(y, self.degree)
