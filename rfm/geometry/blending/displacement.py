@@ -72,7 +72,7 @@ class BoundedBlend:
 
 
 def displacement_blend(
-    shapes: Sequence[Shape],
+    of: Sequence[Shape],
     amount: float,
     ranges: Sequence[float] | None = None,
     operation: str = "union",
@@ -81,7 +81,7 @@ def displacement_blend(
 
     Parameters
     ----------
-    shapes
+    of
         Two shapes, best of one smooth surface each.
     amount
         a0: positive adds material, negative removes it; at most the size of the shapes.
@@ -100,14 +100,14 @@ def displacement_blend(
     GeometryError
         For an amount of zero or larger than the shapes, ranges that are not positive, not two shapes.
     """
-    sign, amount, lengths = _checked(shapes, amount, ranges, operation, 2)
-    fields = [function_of(shape) for shape in shapes]
+    sign, amount, lengths = _checked(of, amount, ranges, operation, 2)
+    fields = [function_of(shape) for shape in of]
     field = DisplacementBlend(fields[0], fields[1], sign, amount, (lengths[0], lengths[1]))
-    return blended(shapes, field, sign, _margin(amount))
+    return blended(of, field, sign, _margin(amount))
 
 
 def bounded_blend(
-    shapes: Sequence[Shape],
+    of: Sequence[Shape],
     within: Shape,
     amount: float,
     ranges: Sequence[float] | None = None,
@@ -117,7 +117,7 @@ def bounded_blend(
 
     Parameters
     ----------
-    shapes, amount, operation
+    of, amount, operation
         As for :func:`displacement_blend`.
     within
         The set outside which nothing changes.
@@ -129,12 +129,12 @@ def bounded_blend(
     GeometryError
         As for :func:`displacement_blend`.
     """
-    sign, amount, lengths = _checked([*shapes, within], amount, ranges, operation, 3)
-    fields = [function_of(shape) for shape in shapes]
+    sign, amount, lengths = _checked([*of, within], amount, ranges, operation, 3)
+    fields = [function_of(shape) for shape in of]
     field = BoundedBlend(
         fields[0], fields[1], function_of(within), sign, amount, (lengths[0], lengths[1], lengths[2])
     )
-    return blended(shapes, field, sign, _margin(amount))
+    return blended(of, field, sign, _margin(amount))
 
 
 def _checked(

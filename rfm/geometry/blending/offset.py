@@ -34,7 +34,7 @@ class Shifted:
         return (value if self.factor == 1.0 else self.factor * value) + self.shift
 
 
-def offset(shape: Shape, distance: float) -> Shape:
+def offset(of: Shape, distance: float) -> Shape:
     """Move the boundary of a shape outward, or inward for a negative distance; labels stay.
 
     Raises
@@ -43,8 +43,8 @@ def offset(shape: Shape, distance: float) -> Shape:
         For a distance that makes a feature vanish: the shape itself inward, a hole in it outward.
     """
     distance = number("distance", distance)
-    solid = {literal.surface for literal in shape.expression.literals() if literal.positive}
-    holes = {literal.surface for literal in shape.expression.literals() if not literal.positive}
+    solid = {literal.surface for literal in of.expression.literals() if literal.positive}
+    holes = {literal.surface for literal in of.expression.literals() if not literal.positive}
     if solid & holes:
         raise GeometryError("a shape that lies on both sides of one of its surfaces has no offset")
     if distance < 0.0:
@@ -54,25 +54,23 @@ def offset(shape: Shape, distance: float) -> Shape:
             min((s.size for s in holes if s.degree != 1), default=2 * distance), distance, "hole", distance
         )
     signed = {surface: distance if surface in solid else -distance for surface in solid | holes}
-    expression = shape.expression.mapped(lambda surface: moved(surface, signed[surface]))
+    expression = of.expression.mapped(lambda surface: moved(surface, signed[surface]))
     if distance <= 0.0:
-        return Shape(shape.dimension, expression, shape.reach)
+        return Shape(of.dimension, expression, of.reach)
     field = Membership(expression)
-    return Shape(
-        shape.dimension, expression, widened(shape.reach, field, distance, shape.dimension, "the offset")
-    )
+    return Shape(of.dimension, expression, widened(of.reach, field, distance, of.dimension, "the offset"))
 
 
-def shell(shape: Shape, thickness: float) -> Shape:
+def shell(of: Shape, thickness: float) -> Shape:
     """Hollow shape: the layer of the given thickness inside the boundary; its inner surfaces are ``inner...``.
 
     Raises
     ------
     GeometryError
-        For a thickness that is not positive or as large as the shape.
+        For a thickness that is not positive or as large as the of.
     """
     thickness = positive("thickness", thickness)
-    return shape - offset(shape, -thickness).named("inner")
+    return of - offset(of, -thickness).named("inner")
 
 
 def moved(surface: Surface, distance: float) -> Surface:

@@ -51,12 +51,12 @@ def rho_blend(f: Value, g: Value, radius: float, sign: float, smoothness: int = 
     return f + g + sign * sqrt(squares + (0.25 * radius**2) * power(excess, smoothness + 1))
 
 
-def blend(shapes: Sequence[Shape], radius: float, operation: str = "union", smoothness: int = 1) -> Shape:
+def blend(of: Sequence[Shape], radius: float, operation: str = "union", smoothness: int = 1) -> Shape:
     """Join shapes with a fillet, or intersect them with rounded edges.
 
     Parameters
     ----------
-    shapes
+    of
         Two or more, combined from the left.  Of one smooth surface each, so that the blend is one smooth
         surface; others keep their corners.
     radius
@@ -77,13 +77,13 @@ def blend(shapes: Sequence[Shape], radius: float, operation: str = "union", smoo
         For a radius that is not positive or larger than the shapes, and whatever
         :func:`~rfm.geometry.blending.operands.require_operands` refuses.
     """
-    sign = require_operands(shapes, operation)
+    sign = require_operands(of, operation)
     radius = positive("radius", radius)
-    require_small("radius", radius, shapes)
+    require_small("radius", radius, of)
     if smoothness != int(smoothness) or not 1 <= smoothness <= SMOOTHEST:
         raise GeometryError(
             f"smoothness must be a whole number from 1 to {SMOOTHEST}, got {shown(smoothness)}"
         )
-    fields = [function_of(shape) for shape in shapes]
+    fields = [function_of(shape) for shape in of]
     field = reduce(lambda f, g: RhoBlend(f, g, radius, sign, int(smoothness)), fields)
-    return blended(shapes, field, sign, radius if sign > 0.0 else 0.0)
+    return blended(of, field, sign, radius if sign > 0.0 else 0.0)

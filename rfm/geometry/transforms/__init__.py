@@ -7,7 +7,7 @@ from rfm.geometry.transforms.repeat import repeat, repeat_series
 from rfm.geometry.transforms.revolve import revolve
 from rfm.geometry.transforms.screw import screw, twist
 from rfm.geometry.transforms.section import projection, section
-from rfm.geometry.transforms.sweep import helix, sweep
+from rfm.geometry.transforms.sweep import helix, sweep, sweep_along
 from rfm.geometry.transforms.taper import taper
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "screw",
     "section",
     "sweep",
+    "sweep_along",
     "taper",
     "twist",
 ]

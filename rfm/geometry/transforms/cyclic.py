@@ -66,7 +66,7 @@ class Kaleidoscope(Mapping):
 
 
 def cyclic(
-    shape: Shape,
+    of: Shape,
     count: int,
     center: Sequence[float] | Array | None = None,
     by: str = "copies",
@@ -76,7 +76,7 @@ def cyclic(
 
     Parameters
     ----------
-    shape
+    of
         In space, the turns are about the line through ``center`` along z.
     count
         At least 2.
@@ -100,8 +100,8 @@ def cyclic(
         raise GeometryError(f"terms must be at least 1, got {shown(terms)}")
     if by not in WAYS:
         raise GeometryError(f"by must be one of {', '.join(WAYS)}, got {by!r}")
-    middle = vector("center", center if center is not None else (0.0,) * shape.dimension, shape.dimension)
-    return WAYS[by](shape.move((-middle).tolist()), int(count), terms).move(middle.tolist())
+    middle = vector("center", center if center is not None else (0.0,) * of.dimension, of.dimension)
+    return WAYS[by](of.move((-middle).tolist()), int(count), terms).move(middle.tolist())
 
 
 def _copies(shape: Shape, count: int, terms: int) -> Shape:

@@ -34,12 +34,12 @@ class Prism(LinearMapping):
         return support.everything
 
 
-def extrude(profile: Shape, direction: Sequence[float] | Array) -> Shape:
+def extrude(of: Shape, direction: Sequence[float] | Array) -> Shape:
     """Sweep a plane shape along a vector.
 
     Parameters
     ----------
-    profile
+    of
         Shape of the plane; it lies at z = 0.
     direction
         Vector of three components from the first copy to the last; its length counts.
@@ -54,14 +54,14 @@ def extrude(profile: Shape, direction: Sequence[float] | Array) -> Shape:
     GeometryError
         When the profile is not plane or the direction lies in its plane.
     """
-    require_plane(profile, "extruded")
+    require_plane(of, "extruded")
     along = vector("direction", direction, 3)
     if abs(along[2]) <= _FLAT * float(np.linalg.norm(along)):
         raise GeometryError(f"direction must leave the plane of the profile, z is not 0, got {shown(along)}")
     slope = along[:2] / along[2]
     prism = Prism(np.column_stack([np.eye(2), -slope]), np.zeros(2))
-    sides = profile.expression.mapped(prism.surface)
-    return capped(sides, float(along[2]), swept_reach(profile.reach, along))
+    sides = of.expression.mapped(prism.surface)
+    return capped(sides, float(along[2]), swept_reach(of.reach, along))
 
 
 def capped(sides: Expression, height: float, reach: Support) -> Shape:

@@ -75,12 +75,12 @@ class Fold(Mapping):
         return image
 
 
-def repeat(shape: Shape, step: Sequence[float] | Array, count: int, by: str = "copies") -> Shape:
+def repeat(of: Shape, step: Sequence[float] | Array, count: int, by: str = "copies") -> Shape:
     """Row of a shape: itself and ``count - 1`` more, a step apart.
 
     Parameters
     ----------
-    shape
+    of
         For ``wave`` it must not be longer than the step along the step.
     step
         Vector from one to the next.
@@ -95,7 +95,7 @@ def repeat(shape: Shape, step: Sequence[float] | Array, count: int, by: str = "c
     GeometryError
         For a count below 2, a step of zero, an unknown way, or shapes that would overlap.
     """
-    vectors = vector("step", step, shape.dimension)
+    vectors = vector("step", step, of.dimension)
     length = float(np.linalg.norm(vectors))
     if length == 0.0:
         raise GeometryError("step must not be the zero vector")
@@ -103,10 +103,10 @@ def repeat(shape: Shape, step: Sequence[float] | Array, count: int, by: str = "c
         raise GeometryError(f"count must be a whole number of at least 2, got {shown(count)}")
     if by not in WAYS:
         raise GeometryError(f"by must be one of {', '.join(WAYS)}, got {by!r}")
-    return WAYS[by](shape, vectors, int(count))
+    return WAYS[by](of, vectors, int(count))
 
 
-def repeat_series(shape: Shape, step: Sequence[float] | Array, terms: int = 8) -> Shape:
+def repeat_series(of: Shape, step: Sequence[float] | Array, terms: int = 8) -> Shape:
     """Endless row of a shape by the Fourier series of the triangle wave: one analytic function for all.
 
     The shapes are approximations that get better with the number of ``terms``; intersect the row with
@@ -117,14 +117,14 @@ def repeat_series(shape: Shape, step: Sequence[float] | Array, terms: int = 8) -
     GeometryError
         For a step of zero, shapes that would overlap, or less than one term.
     """
-    vectors = vector("step", step, shape.dimension)
+    vectors = vector("step", step, of.dimension)
     half = 0.5 * float(np.linalg.norm(vectors))
     if half == 0.0:
         raise GeometryError("step must not be the zero vector")
     if terms < 1:
         raise GeometryError(f"terms must be at least 1, got {shown(terms)}")
-    unit, middle = _cell(shape, vectors)
-    return mapped(shape, Fold(unit, middle, lambda t: fold_series(t, half, terms)))
+    unit, middle = _cell(of, vectors)
+    return mapped(of, Fold(unit, middle, lambda t: fold_series(t, half, terms)))
 
 
 def _copies(shape: Shape, step: Array, count: int) -> Shape:

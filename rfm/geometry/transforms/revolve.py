@@ -117,7 +117,7 @@ class Revolution(Mapping):
 
 
 def revolve(
-    profile: Shape,
+    of: Shape,
     axis: Sequence[float] | Array = (0.0, 0.0, 1.0),
     point: Sequence[float] | Array = (0.0, 0.0, 0.0),
 ) -> Shape:
@@ -125,7 +125,7 @@ def revolve(
 
     Parameters
     ----------
-    profile
+    of
         Shape of the plane: its x is the distance from the axis, its y the height along it, counted from
         ``point``.  What lies at x < 0 is cut off.
     axis
@@ -138,9 +138,9 @@ def revolve(
     GeometryError
         When the profile is not plane or has nothing on the positive side of its axis.
     """
-    require_plane(profile, "revolved")
+    require_plane(of, "revolved")
     direction, base = unit("axis", axis, 3), vector("point", point, 3)
-    if profile.box.upper[0] <= 0.0:
+    if of.box.upper[0] <= 0.0:
         raise GeometryError(
             "the profile has no point with x > 0, where x is the distance from the axis: move it there"
         )
@@ -153,7 +153,7 @@ def revolve(
         return found is positive
 
     cache: dict[Surface, Expression | bool] = {}
-    expression = substituted(profile.expression, leaf)
+    expression = substituted(of.expression, leaf)
     if not isinstance(expression, Expression):
         raise GeometryError("the profile has no boundary where x > 0: there is nothing to revolve")
-    return Shape(3, expression, turned.image(profile.reach), turned.image(profile.outer_reach))
+    return Shape(3, expression, turned.image(of.reach), turned.image(of.outer_reach))

@@ -72,12 +72,12 @@ class Twist(Mapping):
         return cylinder_reach(self.radius, self.bottom, self.top)
 
 
-def screw(profile: Shape, pitch: float, length: float) -> Shape:
+def screw(of: Shape, pitch: float, length: float) -> Shape:
     """Move a plane shape along the z axis from 0 to ``length`` while it turns once in every ``pitch``.
 
     Parameters
     ----------
-    profile
+    of
         Shape of the plane, in the section z = 0.
     pitch
         Height of a full turn; negative for a left-handed screw.
@@ -94,14 +94,14 @@ def screw(profile: Shape, pitch: float, length: float) -> Shape:
     GeometryError
         For a pitch of zero or a length that is not positive.
     """
-    require_plane(profile, "screwed")
+    require_plane(of, "screwed")
     pitch, length = number("pitch", pitch), number("length", length)
     if pitch == 0.0:
         raise GeometryError("pitch must not be 0: it is the height of a full turn")
     if length <= 0.0:
         raise GeometryError(f"length must be positive, got {length:g}")
-    turned = Twist(2.0 * math.pi / pitch, radius_about_axis(profile), 0.0, length, flat=True)
-    return capped(profile.expression.mapped(turned.surface), length, turned.image(profile.reach))
+    turned = Twist(2.0 * math.pi / pitch, radius_about_axis(of), 0.0, length, flat=True)
+    return capped(of.expression.mapped(turned.surface), length, turned.image(of.reach))
 
 
 def twist(shape: Shape, rate: float) -> Shape:

@@ -52,7 +52,7 @@ class Cut(LinearMapping):
         return image
 
 
-def section(solid: Shape, point: Sequence[float] | Array, normal: Sequence[float] | Array) -> Shape:
+def section(of: Shape, point: Sequence[float] | Array, normal: Sequence[float] | Array) -> Shape:
     """Cut a solid with the plane through ``point`` across ``normal``; a shape of the plane.
 
     Raises
@@ -60,8 +60,8 @@ def section(solid: Shape, point: Sequence[float] | Array, normal: Sequence[float
     GeometryError
         When the shape is no solid or the plane misses it.
     """
-    _require_solid(solid, "cut")
-    found = _cut(solid, vector("point", point, 3), unit("normal", normal, 3))
+    _require_solid(of, "cut")
+    found = _cut(of, vector("point", point, 3), unit("normal", normal, 3))
     if found is None:
         raise GeometryError(
             f"the plane through {shown(list(point))} across {shown(list(normal))} misses the solid"
@@ -69,7 +69,7 @@ def section(solid: Shape, point: Sequence[float] | Array, normal: Sequence[float
     return found
 
 
-def projection(solid: Shape, direction: Sequence[float] | Array, sections: int = 16) -> Shape:
+def projection(of: Shape, direction: Sequence[float] | Array, sections: int = 16) -> Shape:
     """Shadow of a bounded solid: the union of sections at evenly spaced heights along ``direction``.
 
     What the sections miss between them is missing, so the shape is too small, by an error that
@@ -80,15 +80,15 @@ def projection(solid: Shape, direction: Sequence[float] | Array, sections: int =
     GeometryError
         When the shape is no bounded solid, or there are no sections.
     """
-    _require_solid(solid, "projected")
+    _require_solid(of, "projected")
     if sections < 1:
         raise GeometryError(f"sections must be at least 1, got {shown(sections)}")
     along = unit("direction", direction, 3)
-    low, high = -float(solid.reach(-along[None, :])[0]), float(solid.reach(along[None, :])[0])
+    low, high = -float(of.reach(-along[None, :])[0]), float(of.reach(along[None, :])[0])
     if not np.isfinite([low, high]).all():
         raise GeometryError("only a solid that is bounded along the direction can be projected")
     heights = low + (high - low) * (np.arange(sections) + 0.5) / sections
-    cuts = [_cut(solid, height * along, along) for height in heights]
+    cuts = [_cut(of, height * along, along) for height in heights]
     return reduce(lambda first, second: first | second, [cut for cut in cuts if cut is not None])
 
 

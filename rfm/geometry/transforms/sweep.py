@@ -22,7 +22,25 @@ from rfm.geometry.similarity import Similarity, rotation, translation
 Motion = Callable[[float], Similarity]
 
 
-def sweep(shape: Shape, motion: Motion, samples: int = 8) -> Shape:
+def sweep(
+    of: Shape,
+    move: Sequence[float] | Array | None = None,
+    angle: float = 0.0,
+    axis: Sequence[float] | None = None,
+    center: Sequence[float] | None = None,
+    samples: int = 8,
+) -> Shape:
+    """Sweep a shape that turns by ``angle`` (radians) about ``center`` and moves by a vector, both evenly.
+
+    Raises
+    ------
+    GeometryError
+        When it does not move at all, or for less than two samples.
+    """
+    return sweep_along(of, helix(of.dimension, move, angle, axis, center), samples)
+
+
+def sweep_along(shape: Shape, motion: Motion, samples: int = 8) -> Shape:
     """Union of a shape at the times 0, 1/(samples - 1), ..., 1.
 
     Raises
@@ -38,7 +56,7 @@ def sweep(shape: Shape, motion: Motion, samples: int = 8) -> Shape:
 
 def helix(
     dimension: int,
-    vector_of_motion: Sequence[float] | Array | None = None,
+    move: Sequence[float] | Array | None = None,
     angle: float = 0.0,
     axis: Sequence[float] | None = None,
     center: Sequence[float] | None = None,
@@ -51,7 +69,7 @@ def helix(
         When it does not move at all.
     """
     shift = vector(
-        "move", vector_of_motion if vector_of_motion is not None else (0.0,) * dimension, dimension
+        "move", move if move is not None else (0.0,) * dimension, dimension
     )
     angle = number("angle", angle)
     if angle == 0.0 and not shift.any():

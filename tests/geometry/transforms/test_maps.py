@@ -21,7 +21,6 @@ from rfm.geometry.transforms import (
     affine,
     cyclic,
     extrude,
-    helix,
     mirror,
     projection,
     repeat,
@@ -244,10 +243,10 @@ def test_fourier_series_approach_the_wave() -> None:
 def test_sweeps_fill_up() -> None:
     exact = 0.09 * pi + 0.6
     missing = [
-        exact - measure(sweep(g.disk((0, 0), 0.3), helix(2, (1.0, 0.0)), n), 16, 5).volume for n in (5, 9, 17)
+        exact - measure(sweep(g.disk((0, 0), 0.3), (1.0, 0.0), samples=n), 16, 5).volume for n in (5, 9, 17)
     ]
     assert missing[0] > 3 * missing[1] > 9 * missing[2] > 0
-    turning = sweep(g.disk((1.0, 0.0), 0.2), helix(2, angle=math.pi), 30)
+    turning = sweep(g.disk((1.0, 0.0), 0.2), angle=math.pi, samples=30)
     assert turning.contains(np.array([[0.0, 1.0], [-1.0, 0.0]])).all()
 
 
@@ -292,8 +291,8 @@ REFUSED = [
     (lambda: section(LENS, (0, 0, 3), (0, 0, 1)), "only a solid can be cut"),
     (lambda: projection(BRICK, (0, 0, 1), 0), "sections must be at least 1, got 0"),
     (lambda: projection(g.half_space((0, 0, 0), (0, 0, 1)), (0, 0, 1)), "bounded along the direction"),
-    (lambda: sweep(LENS, helix(2, (1, 0)), 1), "samples must be a whole number of at least 2, got 1"),
-    (lambda: helix(2), "a sweep needs a motion"),
+    (lambda: sweep(LENS, (1, 0), samples=1), "samples must be a whole number of at least 2, got 1"),
+    (lambda: sweep(LENS), "a sweep needs a motion"),
 ]
 
 
