@@ -34,7 +34,9 @@ ShapeExpression = Annotated[
 def _shapes(value: Any, info: ValidationInfo) -> tuple[DomainExpression, ...]:
     if not isinstance(value, list | tuple) or len(value) < 2:
         raise fail(f"must be a list of at least two shapes such as [a, b], got {shown(value)}")
-    return tuple(within(i, lambda item, _: shape_expression(item), item, info) for i, item in enumerate(value))
+    return tuple(
+        within(i, lambda item, _: shape_expression(item), item, info) for i, item in enumerate(value)
+    )
 
 
 Shapes = Annotated[

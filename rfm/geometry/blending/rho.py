@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import reduce
 
 from rfm.calculus.functions import maximum, power, sqrt
+from rfm.calculus.systems.base import monotone
 from rfm.calculus.types import Field, Value
 from rfm.errors import GeometryError
 from rfm.geometry.blending.operands import blended, function_of, require_operands, require_small
@@ -46,9 +47,13 @@ class RhoBlend:
 
 def rho_blend(f: Value, g: Value, radius: float, sign: float, smoothness: int = 1) -> Value:
     """Blend two values: union for ``sign`` 1, intersection for -1."""
-    squares = f * f + g * g
-    excess = maximum(1.0 - squares * (1.0 / radius**2), 0.0)
-    return f + g + sign * sqrt(squares + (0.25 * radius**2) * power(excess, smoothness + 1))
+
+    def formula(a: Value, b: Value) -> Value:
+        squares = a * a + b * b
+        excess = maximum(1.0 - squares * (1.0 / radius**2), 0.0)
+        return a + b + sign * sqrt(squares + (0.25 * radius**2) * power(excess, smoothness + 1))
+
+    return monotone(formula, f, g)
 
 
 def blend(of: Sequence[Shape], radius: float, operation: str = "union", smoothness: int = 1) -> Shape:

@@ -68,9 +68,7 @@ def helix(
     GeometryError
         When it does not move at all.
     """
-    shift = vector(
-        "move", move if move is not None else (0.0,) * dimension, dimension
-    )
+    shift = vector("move", move if move is not None else (0.0,) * dimension, dimension)
     angle = number("angle", angle)
     if angle == 0.0 and not shift.any():
         raise GeometryError("a sweep needs a motion: a vector to move by, an angle to rotate by, or both")
