@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rfm.app.blame import located
 from rfm.app.case import Case
 from rfm.app.covering import assign_parts
-from rfm.app.expressions.nodes import polynomial_degree
 from rfm.app.formulation import build_condition, build_equation, build_exact
 from rfm.app.schema.discretization import DEFAULT_GRID
-from rfm.app.schema.primitives import Function
 from rfm.app.schema.results import DOMAIN
-from rfm.app.schema.shapes import Rotation, ShapeSpec
+from rfm.app.shapes import build_shapes
 from rfm.app.yaml_reader import Path
-from rfm.errors import CaseError, RfmError
+from rfm.errors import RfmError
 
 if TYPE_CHECKING:
     from rfm.geometry.box import Box
@@ -54,7 +51,7 @@ def build_domain(case: Case) -> Shape:
     """Domain of a case, with the surfaces of its shapes named after them."""
     from rfm.geometry.predicate import shape as substitute
 
-    shapes = {name: _shape(case, name, spec) for name, spec in case.geometry.shapes.items()}
+    shapes = build_shapes(case)
     path: Path = ("geometry", "domain")
     try:
         domain = substitute(case.geometry.domain.predicate, shapes).using(case.geometry.membership)
@@ -104,58 +101,6 @@ def given_box(case: Case) -> Box | None:
     from rfm.geometry.box import Box
 
     return None if case.discretization.box is None else Box(*case.discretization.box)
-
-
-def _shape(case: Case, name: str, spec: ShapeSpec) -> Shape:
-    from rfm.geometry.primitives import KINDS
-
-    kind, given = spec.kind, spec.given
-    path: Path = ("geometry", "shapes", name, kind)
-    arguments = _function(case, given, path) if isinstance(given, Function) else given.arguments()
-    try:
-        shape = KINDS[kind](**arguments)
-    except RfmError as error:
-        raise _argument_error(case, path, arguments, str(error)) from error
-    path = path[:-1]
-    for modifier, key in ((_scaled, "scale"), (_rotated, "rotate"), (_moved, "move")):
-        value = getattr(spec, key)
-        if value is not None:
-            try:
-                shape = modifier(shape, value)
-            except RfmError as error:
-                raise case.error((*path, key), str(error)) from error
-    return shape.named(name)
-
-
-def _scaled(shape: Shape, factor: float) -> Shape:
-    return shape.scale(factor)
-
-
-def _rotated(shape: Shape, rotation: Rotation) -> Shape:
-    return shape.rotate(np.deg2rad(rotation.angle), axis=rotation.axis, center=rotation.center)
-
-
-def _moved(shape: Shape, vector: tuple[float, ...]) -> Shape:
-    return shape.move(vector)
-
-
-def _function(case: Case, given: Function, path: Path) -> dict[str, Any]:
-    from rfm.geometry.box import Box
-
-    dimension = len(given.box[0]) if given.box is not None else case.dimension
-    field = given.expression.field(dimension, (*path, "expression"))
-    arguments = {"expression": field, "dimension": dimension, "degree": polynomial_degree(field.node)}
-    return {**arguments, "box": Box(*given.box)} if given.box is not None else arguments
-
-
-def _argument_error(case: Case, path: Path, arguments: dict[str, Any], message: str) -> CaseError:
-    """Error of a constructor; a message that begins with an argument is placed at its key."""
-    match = re.match(r"(\w+) (.*)", message, re.DOTALL)
-    if match and match[1] in arguments:
-        return case.error((*path, match[1]), match[2])
-    if len(arguments) == 1:
-        return case.error((*path, *arguments), message)
-    return case.error(path, message, key=True)
 
 
 def _check_results(case: Case, domain: Shape) -> None:

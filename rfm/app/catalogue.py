@@ -39,7 +39,7 @@ def keys(model: type[BaseModel]) -> str:
 
 def shapes() -> list[tuple[str, ...]]:
     """Kinds of shape with their arguments."""
-    words = {0: "2D, 3D", 2: "2D", 3: "3D"}
+    words = {0: "2D, 3D", 1: "1D", 2: "2D", 3: "3D"}
     return [(name, words[kind.dimension], keys(kind), first_line(kind)) for name, kind in KINDS.items()]
 
 

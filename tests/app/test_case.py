@@ -16,10 +16,11 @@ from rfm.app.schema.conditions import BoundaryCondition, ClampedEdge, FreeEdge, 
 from rfm.app.schema.discretization import Discretization, Solver
 from rfm.app.schema.equation import MODELS
 from rfm.app.schema.results import Integral, Study
-from rfm.app.schema.shapes import KINDS, ShapeSpec
+from rfm.app.schema.shapes import KINDS, AffineMap, Mirroring, ShapeSpec, Tapering
 from rfm.app.source import from_text
 from rfm.errors import CaseError, DiscretizationError
-from rfm.geometry.primitives import KINDS as CONSTRUCTORS
+from rfm.geometry.derived import DERIVED
+from rfm.geometry.primitives import KINDS as PRIMITIVES
 from solvers.problem import FROM_EXACT, Dirichlet, Neumann, Robin
 
 BASE = {
@@ -151,6 +152,9 @@ def test_overrides_by_path():
     assert case.boundary_conditions[0].dirichlet.constant == 3.0
     assert case.exact.text == "x + y"
     assert BASE["parameters"]["R"] == 0.4
+
+
+CONSTRUCTORS = {**PRIMITIVES, **DERIVED}
 
 
 def test_arguments_of_kinds_are_those_of_the_constructors():
@@ -392,6 +396,9 @@ def test_documentation_names_every_key_and_its_default():
         Study,
         Integral,
         ShapeSpec,
+        AffineMap,
+        Mirroring,
+        Tapering,
         *KINDS.values(),
     }
     for model in models:

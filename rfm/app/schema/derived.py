@@ -6,7 +6,7 @@ or expressions of them, where the constructor takes shapes.  Angles are in degre
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
@@ -50,13 +50,13 @@ class Derived(Kind):
             elif isinstance(value, tuple):
                 yield from (((name, i), v) for i, v in enumerate(value) if isinstance(v, DomainExpression))
 
-    def made_of(self, shapes: Mapping[str, Any]) -> dict[str, Any]:
-        """Arguments for the constructor, with shapes in the place of their names."""
+    def made_of(self, build: Callable[[DomainExpression], Any]) -> dict[str, Any]:
+        """Arguments for the constructor, with what `build` makes of them in the place of expressions."""
 
         def built(value: Any) -> Any:
             if isinstance(value, DomainExpression):
-                return value.evaluate(shapes)
-            return [built(item) for item in value] if _mentions(value) else value
+                return build(value)
+            return [build(item) for item in value] if _mentions(value) else value
 
         return {name: built(value) for name, value in self.arguments().items()}
 

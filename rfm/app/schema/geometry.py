@@ -4,34 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, PlainSerializer, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from rfm.app.domain import DomainExpression
-from rfm.app.expressions import ExpressionError
 from rfm.app.schema.base import Strict
-from rfm.app.schema.kind import Kind
+from rfm.app.schema.mentions import check_names, dimensions_of, used_names
+from rfm.app.schema.references import ShapeExpression
 from rfm.app.schema.scalars import Scope, check_name, fail, scope_of, shown
-from rfm.app.schema.shapes import ShapeSpec
+from rfm.app.schema.shapes import OwnShape
 from rfm.app.source import nearest
 from rfm.calculus import r_systems
 from rfm.errors import RfmError
-
-
-def _domain(value: Any) -> DomainExpression:
-    if not isinstance(value, str):
-        raise fail(f"must be an expression of shapes such as outer - inner, got {shown(value)}")
-    try:
-        return DomainExpression.parse(value)
-    except ExpressionError as error:
-        raise fail(error.message, offset=error.offset) from None
-
-
-Domain = Annotated[
-    DomainExpression,
-    BeforeValidator(_domain),
-    PlainSerializer(lambda domain: domain.text, return_type=str),
-    WithJsonSchema({"type": "string", "description": "shapes joined by & | - ^ ~ @ and parentheses"}),
-]
 
 
 def _system(value: Any) -> str:
@@ -53,8 +35,8 @@ System = Annotated[str, BeforeValidator(_system), WithJsonSchema({"type": "strin
 class Geometry(Strict):
     """Shapes by name and the domain as an expression of them."""
 
-    shapes: dict[str, ShapeSpec] = Field(description="name: {kind: arguments}")
-    domain: Domain
+    shapes: dict[str, OwnShape] = Field(description="name: {kind: arguments}")
+    domain: ShapeExpression
     membership: System = Field(
         default="r1", description="R-functions of the domain's function, where no operation names its own"
     )
@@ -67,12 +49,10 @@ class Geometry(Strict):
             wrong = check_name(name, "shape")
             if wrong:
                 raise fail(wrong, key=("shapes", name))
-        for name, offset in self.domain.names.items():
-            if name not in self.shapes:
-                message = f"unknown shape {name!r}; {nearest(name, self.shapes, 'shapes')}"
-                raise fail(message, value=("domain",), offset=offset)
+        check_names(self.domain, self.shapes, ("domain",))
+        used = used_names(self.domain, self.shapes)
         for name in self.shapes:
-            if name not in self.domain.names:
+            if name not in used:
                 raise fail(
                     f"the shape {name!r} is not used by the domain; use it or remove it", key=("shapes", name)
                 )
@@ -81,17 +61,10 @@ class Geometry(Strict):
 
     def _check_dimension(self, scope: Scope) -> None:
         """Refuse operations that do not fit the dimensions, and a domain on a line."""
-        dimensions = {name: _dimension(spec.given, scope) for name, spec in self.shapes.items()}
+        dimensions = dimensions_of(self.shapes, scope)
         try:
             total = self.domain.dimension(dimensions)
         except ValueError as error:
             raise fail(str(error), value=("domain",)) from None
         if total == 1:
             raise fail("the domain is one-dimensional; multiply it: disk @ interval", value=("domain",))
-
-
-def _dimension(given: Kind, scope: Scope) -> int:
-    if given.dimension:
-        return given.dimension
-    box = getattr(given, "box", None)
-    return len(box[0]) if box is not None else scope.dimension or 2

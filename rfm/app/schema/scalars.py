@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, PlainSerializer, ValidationInfo, WithJsonSchema
@@ -40,11 +42,14 @@ class Scope:
         Dimension of its domain; None while it is unknown, then coordinates are not counted.
     product
         Whether the domain multiplies shapes, whose dimensions are then less than its own.
+    own
+        Raw values of the shapes that only other shapes mention, each with its dimension.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     dimension: int | None = None
     product: bool = False
+    own: tuple[tuple[Any, int], ...] = ()
 
     @property
     def shape_dimension(self) -> int | None:
@@ -97,9 +102,24 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+_DIMENSION: ContextVar[int | None] = ContextVar("dimension", default=None)
+
+
+@contextmanager
+def inside(dimension: int | None) -> Iterator[None]:
+    """Validate what belongs to a shape of another dimension than the domain; None changes nothing."""
+    token = _DIMENSION.set(dimension if dimension is not None else _DIMENSION.get())
+    try:
+        yield
+    finally:
+        _DIMENSION.reset(token)
+
+
 def scope_of(info: ValidationInfo) -> Scope:
     """Scope of the validation; an empty one when there is none."""
-    return info.context if isinstance(info.context, Scope) else Scope()
+    scope = info.context if isinstance(info.context, Scope) else Scope()
+    own = _DIMENSION.get()
+    return scope if own is None else replace(scope, dimension=own, product=False)
 
 
 def _text(value: Any, expected: str) -> str:

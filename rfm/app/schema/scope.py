@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
-from rfm.app.domain import DomainExpression
 from rfm.app.expressions import Expression, ExpressionError
+from rfm.app.schema.dimensions import dimensions, parsed
 from rfm.app.schema.scalars import Scope, check_name, shown
-from rfm.app.schema.shapes import KINDS
 from rfm.app.source import Document
 from rfm.errors import CaseError
 
@@ -18,8 +18,7 @@ MAX_PARAMETERS = 500
 def scope_of_document(document: Document) -> tuple[Scope, list[CaseError]]:
     """Scope of a case and the errors in its parameters."""
     values, errors = parameters(document)
-    found, product = dimension(document.data)
-    return Scope(values, found, product), errors
+    return scope_of_shapes(document.data, values), errors
 
 
 def parameters(document: Document) -> tuple[dict[str, float], list[CaseError]]:
@@ -59,36 +58,35 @@ def _parameter(value: Any, earlier: dict[str, float]) -> float:
     return float(constant)
 
 
-def dimension(data: dict[str, Any]) -> tuple[int | None, bool]:
-    """Dimension of the domain of a case that has not been validated, and whether it multiplies shapes.
+def scope_of_shapes(data: dict[str, Any], values: dict[str, float]) -> Scope:
+    """Scope with the dimension of the domain of a case that has not been validated.
 
-    Without a product it is that of most shapes; None when no shape tells it.
+    Without a product it is that of most shapes the domain names; None when none of them tells it.
     """
     geometry = data.get("geometry")
     shapes = geometry.get("shapes") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(shapes, dict):
-        return None, False
-    found = {name: _dimension_of(shape) for name, shape in shapes.items() if isinstance(shape, dict)}
-    known = {name: item for name, item in found.items() if item}
-    try:
-        domain = DomainExpression.parse(geometry["domain"])
-    except (CaseError, KeyError, TypeError, AttributeError):
-        domain = None  # the validation of the domain says what is wrong, also with its dimension
+        return Scope(values)
+    known, domain = dimensions(shapes), parsed(geometry.get("domain"))
+    named = shapes if domain is None else domain.names
+    mentioned = {name for value in shapes.values() for name in _mentioned(value)}
+    own = tuple((shapes[name], known[name]) for name in known if name in mentioned and name not in named)
     if domain is not None and domain.product:
         try:
-            return domain.dimension(known), True
+            return Scope(values, domain.dimension(known), True, own)
         except (ValueError, KeyError):
-            return None, True
-    counts = Counter(item for item in known.values() if item > 1)
-    return counts.most_common(1)[0][0] if counts else None, False
+            return Scope(values, None, True, own)
+    counts = Counter(item for name, item in known.items() if item > 1 and (name in named or not own))
+    return Scope(values, counts.most_common(1)[0][0] if counts else None, False, own)
 
 
-def _dimension_of(shape: dict[str, Any]) -> int | None:
-    for name, arguments in shape.items():
-        kind = KINDS.get(name)
-        if kind is not None and kind.dimension:
-            return kind.dimension
-        box = arguments.get("box") if isinstance(arguments, dict) else None
-        if name == "function" and isinstance(box, list) and box and isinstance(box[0], list):
-            return len(box[0]) if len(box[0]) in (2, 3) else None
-    return None
+def _mentioned(value: Any) -> Iterator[str]:
+    """Names in the texts of a shape's arguments that may be shapes."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        for item in value:
+            yield from _mentioned(item)
+    elif isinstance(value, str):
+        expression = parsed(value)
+        yield from expression.names if expression is not None else ()

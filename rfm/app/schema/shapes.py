@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from collections.abc import Iterator
+from typing import Annotated, Any, get_args
 
-from pydantic import GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic import (
+    BeforeValidator,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
 from pydantic_core import CoreSchema
 
+from rfm.app.domain import DomainExpression
 from rfm.app.schema.base import Strict
+from rfm.app.schema.derived import (
+    Blend,
+    BoundedBlend,
+    Cyclic,
+    Derived,
+    DisplacementBlend,
+    Extrude,
+    Offset,
+    Projection,
+    Repeat,
+    RepeatSeries,
+    Revolve,
+    Screw,
+    Section,
+    Shell,
+    Sweep,
+)
 from rfm.app.schema.kind import Kind
 from rfm.app.schema.outlines import Polygon
 from rfm.app.schema.primitives import (
@@ -27,7 +54,19 @@ from rfm.app.schema.primitives import (
     Strip,
     Torus,
 )
-from rfm.app.schema.scalars import DIMENSION_WORDS, Number, Positive, Vector, fail, scope_of
+from rfm.app.schema.scalars import (
+    DIMENSION_WORDS,
+    Number,
+    Positive,
+    Vector,
+    fail,
+    inside,
+    scope_of,
+    shown,
+    vector,
+    within,
+)
+from rfm.app.yaml_reader import Path
 
 
 class Rotation(Strict):
@@ -58,8 +97,43 @@ class Rotation(Strict):
         return {"anyOf": [{"type": ["number", "string"]}, handler.resolve_ref_schema(handler(core))]}
 
 
+class Mirroring(Strict):
+    """Reflection in the line or plane through `point` across `normal`."""
+
+    point: Vector
+    normal: Vector
+
+
+class Tapering(Strict):
+    """Sections scaled linearly from 1 at height `start` to `factor` at height `end`."""
+
+    start: Number
+    end: Number
+    factor: Positive
+
+
+def _matrix(value: Any, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
+    dimension = scope_of(info).shape_dimension
+    if not isinstance(value, list | tuple) or len(value) != (dimension or len(value)):
+        raise fail(
+            f"must be a list of {dimension or '2 or 3'} rows such as [[1, 0], [0, 1]], got {shown(value)}"
+        )
+    return tuple(within(i, vector, item, info) for i, item in enumerate(value))
+
+
+class AffineMap(Strict):
+    """The map x -> matrix x + shift."""
+
+    matrix: Annotated[
+        tuple[tuple[float, ...], ...],
+        BeforeValidator(_matrix),
+        WithJsonSchema({"type": "array", "items": {"type": "array"}, "minItems": 2, "maxItems": 3}),
+    ]
+    shift: Vector | None = None
+
+
 class ShapeSpec(Strict):
-    """One shape: exactly one kind; then it is scaled, rotated and moved, in this order."""
+    """One shape: exactly one kind; then tapered, twisted, mapped, mirrored, scaled, rotated, moved, in this order."""
 
     half_plane: HalfPlane | None = None
     disk: Disk | None = None
@@ -77,6 +151,24 @@ class ShapeSpec(Strict):
     torus: Torus | None = None
     interval: Interval | None = None
     function: Function | None = None
+    blend: Blend | None = None
+    displacement_blend: DisplacementBlend | None = None
+    bounded_blend: BoundedBlend | None = None
+    offset: Offset | None = None
+    shell: Shell | None = None
+    repeat: Repeat | None = None
+    repeat_series: RepeatSeries | None = None
+    cyclic: Cyclic | None = None
+    sweep: Sweep | None = None
+    extrude: Extrude | None = None
+    revolve: Revolve | None = None
+    screw: Screw | None = None
+    section: Section | None = None
+    projection: Projection | None = None
+    taper: Tapering | None = None
+    twist: Number | None = None
+    affine: AffineMap | None = None
+    mirror: Mirroring | None = None
     scale: Positive | None = None
     rotate: Rotation | None = None
     move: Vector | None = None
@@ -102,8 +194,25 @@ class ShapeSpec(Strict):
         kind: Kind = getattr(self, self.kind)
         return kind
 
+    def operands(self) -> Iterator[tuple[Path, DomainExpression]]:
+        """Return expressions of the shapes it is made of, each with its place in the kind."""
+        given = self.given
+        if isinstance(given, Derived):
+            yield from given.operands()
 
-MODIFIERS = ("scale", "rotate", "move")
+
+def _in_its_dimension(value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> ShapeSpec:
+    """Validate a shape that only others mention in its own dimension."""
+    own = next((dimension for raw, dimension in scope_of(info).own if raw is value), None)
+    with inside(own):
+        spec: ShapeSpec = handler(value)
+    return spec
+
+
+OwnShape = Annotated[ShapeSpec, WrapValidator(_in_its_dimension)]
+
+MODIFIERS = ("taper", "twist", "affine", "mirror", "scale", "rotate", "move")
+"""In the order in which they are applied."""
 
 KIND_NAMES = tuple(name for name in ShapeSpec.model_fields if name not in MODIFIERS)
 
