@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rfm.calculus.types import Array, Field
 
 if TYPE_CHECKING:
+    from rfm.app.singularities import Singularity
     from rfm.geometry.shape import Shape
     from solvers.classify import Classification
     from solvers.grid import Grid
@@ -114,6 +115,8 @@ class RunRecord:
         Rows of the convergence table where a study was made (keys as in ``rfm study --json``).
     provenance
         Versions, host and times.
+    singularities
+        Corners or edges of the domain.
     """
 
     name: str
@@ -136,6 +139,7 @@ class RunRecord:
     timings: Mapping[str, float] = field(default_factory=dict)
     linear: LinearFacts | None = None
     study: tuple[Mapping[str, Any], ...] | None = None
+    singularities: tuple[Singularity, ...] = ()
 
 
 def installed_versions(packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:

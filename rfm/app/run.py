@@ -13,6 +13,7 @@ from rfm.app.derived import pictured
 from rfm.app.methods import build_method
 from rfm.app.record import FurtherSpline, LinearFacts, Provenance, Residual, RunRecord
 from rfm.app.schema.base import Strict
+from rfm.app.singularities import singularities
 from rfm.app.summary import Miss, misses, summarise
 from rfm.errors import RfmError
 
@@ -110,6 +111,7 @@ def record_of(result: Result, study: tuple[dict[str, Any], ...] | None = None) -
         timings=result.summary["seconds"],
         linear=LinearFacts(linear.method, linear.reason, solution.dofs, linear.residual, linear.iterations),
         study=study,
+        singularities=singularities(solution),
     )
 
 

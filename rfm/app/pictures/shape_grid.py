@@ -41,6 +41,8 @@ def shape_2d(record: RunRecord, mesh: FittedMesh, title: str) -> Figure:
     segments = LineCollection(list(mesh.points[mesh.facets]), colors=colours, linewidths=2.0)
     segments.set_capstyle("round")
     picture.axes.add_collection(segments, autolim=False)
+    marked = np.array([one.points[0] for one in record.singularities]).reshape(-1, 2)
+    picture.axes.plot(*marked.T, "o", color=INK, markersize=3.5, markerfacecolor="white", zorder=5)
     beside = picture.axes.get_position()
     place = (beside.x1 + 0.15 / float(picture.figure.get_size_inches()[0]), beside.y1)
     _legend(picture.figure, parts, record.classification.state, place)
