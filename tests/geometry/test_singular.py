@@ -21,11 +21,13 @@ from rfm.geometry import (
     half_space,
     polygon,
     rectangle,
+    weight,
 )
 from rfm.geometry.singular.corners import corners
 from rfm.geometry.singular.criteria import criterion, operations
 from rfm.geometry.singular.edges import edges, vertices
 from rfm.geometry.singular.roots import common_zeros
+from rfm.geometry.singular.smoothness import continuous_derivatives
 
 
 def points_of(found):
@@ -203,3 +205,27 @@ def test_minimum_and_maximum_are_singular_on_a_curve():
 
 def test_a_shape_of_one_surface_is_singular_nowhere():
     assert criterion(disk((0, 0), 1))(0.3, 0.1) == 1.0
+
+
+@pytest.mark.parametrize(("name", "expected"), [("auto", 4), ("r0", 0), ("r0m1", 1), ("r0m2", 2), ("rp4", 0)])
+def test_how_smooth_a_weight_is_at_a_convex_corner(name, expected):
+    shape = disk((0, 0), 1) & half_plane((0, -0.2), (0, 1))
+    for corner in corners(shape):
+        vanishing = weight(shape, shape.part("all"), name)
+        assert continuous_derivatives(vanishing, shape.membership, corner.point, 2.0) == expected
+
+
+def test_a_re_entrant_corner_leaves_a_weight_without_a_derivative():
+    shape = disk((0, 0), 1) | rectangle((0, -0.4), (1.5, 0.4))
+    found = {c.point: c for c in corners(shape)}
+    vanishing = weight(shape, shape.part("all"))
+    smooth = [continuous_derivatives(vanishing, shape.membership, point, 2.5) for point in found]
+    assert smooth == [0] * 4  # all four belong to one factor, an R-disjunction
+
+
+def test_along_an_edge_a_product_is_smooth_and_an_r_function_is_not():
+    shape = box((0, 0, 0), (1, 1, 1))
+    across = np.array([[1.0, 0, 0], [0, 1.0, 0]])
+    for name, expected in (("auto", 4), ("r0", 0)):
+        vanishing = weight(shape, shape.part("all"), name)
+        assert continuous_derivatives(vanishing, shape.membership, (0, 0, 0.4), 1.0, across) == expected
