@@ -78,6 +78,11 @@ def weights() -> list[tuple[str, ...]]:
         ("auto", "product of the factors; saturated where many factors meet"),
         ("product", "raw product of the factors of an intersection"),
         ("saturated", "product of f / sqrt(f^2 + d^2), d the size of the feature"),
+        (
+            "scaled:beta5:alpha2",
+            "w / (1 + (5 |w|)^2), w the automatic weight; also with gamma, an exponent of it all",
+        ),
+        ("plateau:delta0.1:gamma3", "1 - max(0, 1 - dist/0.1)^3: one from the distance 0.1 on"),
     ]
     return [*rows, *((name, "R-functions of the whole expression") for name in NAMES)]
 

@@ -10,9 +10,9 @@ Away from the boundary (4.10) as published neither keeps the sign of f nor stays
 vector there, and w1^m D_m may be anything), so that the zero set grows.  With ``rho = w1^(m-1) D_m w(m-1) / m!`` the
 step used here is
 
-    wm = w(m-1) - w1 rho / sqrt(1 + (rho/b)^2),    b = 2^(1-m)
+    wm = w(m-1) - w1 rho / (1 + (rho/b)^4)^(1/4),    b = 2^(1-m)
 
-It differs from (4.10) by ``O(w1^(3m-2))``, less than the order of the step, and ``|wm - w(m-1)| < b |w1|`` leaves
+It differs from (4.10) by ``O(w1^(5m-4))``, far less than the order of the step, and ``|wm - w(m-1)| < b |w1|`` leaves
 ``wm / w1`` between 0 and 2 everywhere.
 
 One evaluation of a step expands the step below once, as a jet of higher order, which yields the value and all
@@ -108,7 +108,8 @@ class Step:
                 powers = [slope**power for slope, power in zip(slopes, alpha, strict=True) if power]
                 total = total + partial * (prod(powers) * (1.0 / prod(map(factorial, alpha))))
         rho = first ** (self.degree - 1) * total
-        return expansion[0] - first * rho / sqrt(1.0 + (rho * rho) * 4.0 ** (self.degree - 1))
+        limited = rho / sqrt(sqrt(1.0 + (rho * 2.0 ** (self.degree - 1)) ** 4))
+        return expansion[0] - first * limited
 
 
 def _check(order: int) -> None:

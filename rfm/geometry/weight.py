@@ -28,9 +28,11 @@ from rfm.calculus.r_systems import NAMES, R0, RSystem
 from rfm.calculus.r_systems import system as r_system
 from rfm.calculus.types import Field, Value
 from rfm.errors import GeometryError
+from rfm.geometry.distance import distance
 from rfm.geometry.part import Part, union
 from rfm.geometry.shape import Shape
 from rfm.geometry.vanishing import Factor, Joined, Product, factors
+from rfm.geometry.weight_forms import FORMS, form
 
 FEW_HOLES = 3
 """Up to so many holes ``auto`` takes the raw product (an annulus has one)."""
@@ -53,8 +55,10 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
     system
         ``product``: raw product of the factors; ``saturated``: holes saturated, more than six
         outlines joined by R0; ``auto``: like ``product`` for up to three holes and six outlines,
-        otherwise like ``saturated`` for what is more; or the name of a system of R-functions
-        (``r0``, ``r0m2``, ``rp2``, ``r1``), whose conjunction then joins the factors.
+        otherwise like ``saturated`` for what is more; the name of a system of R-functions
+        (``r0``, ``r0m2``, ``rp2``, ``r1``), whose conjunction then joins the factors; or a form with its
+        parameters, ``scaled:beta5:alpha2`` of the automatic weight, ``plateau:delta0.1:gamma3`` of the distance
+        (``rfm.geometry.weight_forms``).
 
     Returns
     -------
@@ -64,18 +68,21 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
     Raises
     ------
     GeometryError
-        For an unknown system, or one with a wrong parameter.
+        For an unknown system, or a parameter out of range.
     """
     wanted = part if isinstance(part, Part) else union(part)
-    combine = COMBINATIONS.get(system)
+    levelled = form(system)
+    if levelled is not None and wanted.surfaces:
+        return levelled((distance if levelled.of_distance else weight)(shape, wanted))
+    combine = COMBINATIONS.get("auto" if levelled else system)
     if combine is not None:
         return combine(factors(shape.expression, wanted, R0))
     try:
         chosen = r_system(system)
     except GeometryError as error:
         if not str(error).startswith("unknown"):
-            raise  # a system with a wrong parameter says what is wrong
-        known = ", ".join([*COMBINATIONS, *NAMES])
+            raise  # a parameter out of range
+        known = ", ".join([*COMBINATIONS, *FORMS, *NAMES])
         raise GeometryError(f"unknown weight {system!r}; choose one of {known}") from None
     return _conjunction(factors(shape.expression, wanted, chosen), chosen)
 

@@ -214,7 +214,8 @@ def test_no_part_gives_one() -> None:
 
 def test_unknown_system() -> None:
     with pytest.raises(
-        GeometryError, match="unknown weight 'best'; choose one of auto, product, saturated, r0"
+        GeometryError,
+        match="unknown weight 'best'; choose one of auto, product, saturated, scaled, plateau, r0",
     ):
         g.weight(outer, outer.part("all"), "best")
     with pytest.raises(GeometryError, match="R_p needs an even p >= 2, got 3"):

@@ -53,11 +53,14 @@ def findings(case: Case, allow_large: bool = False) -> dict[str, Any]:
         raise located(case, error) from error
     inner, cut = len(classification.inner_cells), len(classification.cut_cells)
     total = int(np.prod(classification.state.shape))
+    report = problem.domain.report()
     return {
         "status": "ok",
         "case": case.name,
         "dimension": problem.domain.dimension,
         "parts": list(problem.domain.parts),
+        "function": report.lines(),
+        "inversion_degree": report.inversion_degree,
         "degree": discretization.degree,
         "cells": [int(n) for n in classification.state.shape],
         "inner_cells": inner,

@@ -40,18 +40,18 @@ DEFAULT_GRID = 32
 
 def _weight(value: Any) -> str:
     from rfm.calculus import r_systems
+    from rfm.geometry.weight import COMBINATIONS
+    from rfm.geometry.weight_forms import FORMS, form
 
     if not isinstance(value, str):
         raise fail(f"must be the name of a weight, got {shown(value)}")
-    if value not in ("auto", "product", "saturated"):
-        try:
+    try:
+        if value not in COMBINATIONS and form(value) is None:
             r_systems.system(value)
-        except RfmError as error:
-            message = str(error)
-            if message.startswith("unknown"):
-                names = ("auto", "product", "saturated", *r_systems.NAMES)
-                message = f"unknown name {value!r}; {nearest(value, names, 'weights')}"
-            raise fail(message) from None
+    except RfmError as error:
+        names = (*COMBINATIONS, *FORMS, *r_systems.NAMES)
+        unknown = f"unknown name {value!r}; {nearest(value, names, 'weights')}"
+        raise fail(unknown if str(error).startswith("unknown") else str(error)) from None
     return value
 
 

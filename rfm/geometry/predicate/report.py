@@ -34,7 +34,7 @@ from rfm.calculus.r_systems import R1, Rp, RSystem
 from rfm.calculus.r_systems import system as r_system
 from rfm.calculus.types import Array, Field, Value
 from rfm.errors import GeometryError
-from rfm.geometry.expression import Conjunction, Expression, Node
+from rfm.geometry.expression import Conjunction, Expression, Literal, Node
 from rfm.geometry.normalisation import kept_order, normalise
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
@@ -128,13 +128,13 @@ def normalisation_report(shape: Shape, system: str | RSystem | None = None) -> N
         For an unknown system.
     """
     default = shape.system if system is None else r_system(system) if isinstance(system, str) else system
-    counts = dict.fromkeys(shape.surfaces, 0)
+    mentions: dict[Surface, list[Literal]] = {}
     for literal in shape.expression.literals():
-        counts[literal.surface] += 1
+        mentions.setdefault(literal.surface, []).append(literal)
     nodes = _nodes(shape.expression)
     systems = {node.system if node.system is not None else default for node in nodes}
-    occurrences = tuple(_occurrence(shape.expression, surface, n) for surface, n in counts.items())
-    bearing = [surface for surface in shape.surfaces if not surface.auxiliary]
+    occurrences = tuple(_occurrence(shape.expression, *item) for item in mentions.items())
+    bearing = [surface for surface in mentions if not surface.auxiliary]
     return NormalisationReport(
         sum(len(node.terms) - 1 for node in nodes),
         occurrences,
@@ -213,11 +213,11 @@ def _nodes(expression: Expression) -> list[Node]:
     return found
 
 
-def _occurrence(expression: Expression, surface: Surface, mentions: int) -> Occurrence:
-    literals = [literal for literal in expression.literals() if literal.surface is surface]
+def _occurrence(expression: Expression, surface: Surface, literals: list[Literal]) -> Occurrence:
     inversions = frozenset(0 if literal.positive else 1 for literal in literals)
-    degree, spurious = (1, False) if mentions == 1 else _acting(_smallest(expression, surface), surface)
-    return Occurrence(surface.name, mentions, inversions, degree, spurious)
+    single = len(literals) == 1
+    degree, spurious = (1, False) if single else _acting(_smallest(expression, surface), surface)
+    return Occurrence(surface.name, len(literals), inversions, degree, spurious)
 
 
 def _smallest(expression: Expression, surface: Surface) -> Expression:
