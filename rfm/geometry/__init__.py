@@ -8,6 +8,7 @@ from rfm.geometry.box import Box
 from rfm.geometry.distance import distance
 from rfm.geometry.extension import extend
 from rfm.geometry.normalisation import kept_order, normalise
+from rfm.geometry.outlines.outline import outline
 from rfm.geometry.outlines.polygon import polygon
 from rfm.geometry.part import Part
 from rfm.geometry.primitives import KINDS, function
@@ -41,6 +42,7 @@ __all__ = [
     "interval",
     "kept_order",
     "normalise",
+    "outline",
     "polygon",
     "rectangle",
     "sample",

@@ -14,6 +14,7 @@ from rfm.errors import GeometryError
 from rfm.geometry import support
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
+from rfm.geometry.outlines.outline import outline
 from rfm.geometry.outlines.polygon import polygon
 from rfm.geometry.primitives_1d import interval
 from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
@@ -79,6 +80,7 @@ KINDS: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
         "rectangle": rectangle,
         "strip": strip,
         "polygon": polygon,
+        "outline": outline,
         "half_space": half_space,
         "ball": ball,
         "ellipsoid": ellipsoid,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rfm.calculus.intervals import Interval
 from rfm.calculus.types import Array, Field
-from rfm.geometry.expression import Conjunction, Disjunction, Expression, Literal
+from rfm.geometry.expression import Conjunction, Disjunction, Expression, Literal, Node
 from rfm.geometry.surface import Surface
 
 POINTS_IN_A_BOX = 200
@@ -108,7 +108,7 @@ def _bounded(node: Expression, bounds: dict[Surface, Interval], numbers: Iterato
         value = bounds[node.surface]
         low, high = (value.lo, value.hi) if node.positive else (-value.hi, -value.lo)
         return Bounded(next(numbers), node, low, high)
-    if not isinstance(node, (Conjunction, Disjunction)):
+    if not isinstance(node, Node):
         raise TypeError("an expression is a Literal, a Conjunction or a Disjunction")
     terms = tuple(_bounded(term, bounds, numbers) for term in node.terms)
     choose = np.minimum if isinstance(node, Conjunction) else np.maximum

@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rfm.calculus.jets import Jet, multi_indices, partials, variables
-from rfm.calculus.r_systems import R0, R1
+from rfm.calculus.r_systems import R0, R1, RSystem
 from rfm.calculus.types import Array, Field
 from rfm.errors import GeometryError
-from rfm.geometry.expression import Conjunction, Disjunction, Expression, Literal
+from rfm.geometry.expression import Conjunction, Expression, Literal, Node
 from rfm.geometry.pruning import prune
 from rfm.geometry.shape import Membership, Shape
 from rfm.geometry.surface import Surface
@@ -37,6 +37,7 @@ CHUNK = 8192
 """Points at a time: some dozen arrays of them fit into a second-level cache."""
 
 Task: TypeAlias = Callable[[], None]
+Function: TypeAlias = Callable[[Surface], Field]
 Linear: TypeAlias = tuple[Array | float, ...]
 """Value and first derivatives; numbers where they are constant."""
 
@@ -89,13 +90,26 @@ def sample(what: Shape | Field, points: Array, order: int = 1, threads: int | No
 
 def _tasks(field: Field, points: Array, order: int, result: Array) -> Iterable[Task]:
     """Independent pieces of the work."""
-    if isinstance(field, Membership):
-        return _pruned_tasks(field.expression, _own, points, order, result)
-    if isinstance(field, Composition) and isinstance(field.system, R1):
-        return _pruned_tasks(field.expression, field.function, points, order, result)
-    if isinstance(field, Composition) and field.system == R0 and order <= 1:
-        return _chunks(lambda coords: _r0(field, coords, order), points, result)
+    given = _taken_apart(field)
+    if given is not None:
+        expression, function, system = given
+        if isinstance(system, R1):
+            return _pruned_tasks(expression, function, points, order, result)
+        if system == R0 and order <= 1:
+            return _chunks(lambda coords: _r0(expression, function, coords, order), points, result)
     return _chunks(lambda coords: partials(field, coords, order), points, result)
+
+
+def _taken_apart(field: Field) -> tuple[Expression, Function, RSystem | None] | None:
+    """Expression, fields of its surfaces, and the system of R-functions, None when there are several."""
+    if not isinstance(field, (Membership, Composition)):
+        return None
+    systems = field.expression.walk(
+        lambda surface, positive: frozenset[RSystem](),
+        lambda node, terms: frozenset[RSystem]({node.system or field.system}).union(*terms),
+    )
+    function = field.function if isinstance(field, Composition) else _own
+    return field.expression, function, next(iter(systems)) if len(systems) == 1 else None
 
 
 def _chunks(evaluate: Callable[[list[Array]], Array], points: Array, result: Array) -> Iterable[Task]:
@@ -109,7 +123,7 @@ def _chunks(evaluate: Callable[[list[Array]], Array], points: Array, result: Arr
 
 
 def _pruned_tasks(
-    expression: Expression, function: Callable[[Surface], Field], points: Array, order: int, result: Array
+    expression: Expression, function: Function, points: Array, order: int, result: Array
 ) -> Iterable[Task]:
     """One task for the points of all boxes in which the same terms are left."""
 
@@ -126,26 +140,30 @@ def _pruned_tasks(
     return [task(rest, chosen) for rest, chosen in prune(expression, function, points)]
 
 
-def _r0(field: Composition, coords: list[Array], order: int) -> Array:
+def _r0(expression: Expression, function: Function, coords: list[Array], order: int) -> Array:
     """Value and gradient (``order`` 1) of an R0-composition, in few passes over short arrays."""
     given = variables(coords, 1) if order else coords
     slopes = len(coords) * order
 
     def value(node: Expression) -> Linear:
         if isinstance(node, Literal):
-            of_surface = _linear(field.function(node.surface)(*given), slopes)
+            of_surface = _linear(function(node.surface)(*given), slopes)
             return of_surface if node.positive else tuple(-component for component in of_surface)
-        if not isinstance(node, (Conjunction, Disjunction)):
+        if not isinstance(node, Node):
             raise TypeError("an expression is a Literal, a Conjunction or a Disjunction")
         sign = -1.0 if isinstance(node, Conjunction) else 1.0
         # one term after the other, so that few arrays are alive
         return reduce(lambda f, g: _pair(f, g, sign), map(value, node.terms))
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        total = value(field.expression)
+        total = value(expression)
     result = np.stack([np.broadcast_to(component, coords[0].shape) for component in total])
     # where both functions of a pair vanish, their direction is undefined: the careful rule decides
-    return result if np.isfinite(result).all() else partials(field, coords, order)
+    return (
+        result
+        if np.isfinite(result).all()
+        else partials(Composition(expression, R0, function), coords, order)
+    )
 
 
 def _linear(value: Jet | Array | float, slopes: int) -> Linear:

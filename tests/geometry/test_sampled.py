@@ -64,6 +64,15 @@ def test_solids(system: object, order: int) -> None:
     np.testing.assert_allclose(sample(field, points, order, 2), partials(field, points.T, order), atol=1e-11)
 
 
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_every_operation_keeps_its_system(order: int) -> None:
+    points = np.random.default_rng(0).uniform(-1, 2, (3000, 2))
+    square, disk, strip = g.rectangle((0, 0), (1, 1)), g.disk((1, 1), 0.6), g.strip((0.2, 0), (1, 1), 0.3)
+    for shape in (square.using("r0") - disk, square | disk.using("rp4"), (square | disk).using("r0") & strip):
+        expected = partials(shape.membership, points.T, order)
+        np.testing.assert_allclose(sample(shape, points, order), expected, rtol=1e-9, atol=1e-9)
+
+
 def test_any_field() -> None:
     points = np.random.default_rng(0).uniform(-1, 1, (20_000, 2))
     shape = g.disk((0, 0), 1) - g.disk((0, 0), 0.5)

@@ -1,13 +1,15 @@
-"""Shapes given by their boundary: polygons."""
+"""Shapes given by their boundary: polygons, outlines of lines and arcs."""
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema, model_validator
 
+from rfm.app.schema.base import Strict
 from rfm.app.schema.kind import Kind
-from rfm.app.schema.scalars import fail, shown, vector, within
+from rfm.app.schema.scalars import Number, Truth, Vector, fail, shown, vector, within
 
 Points = tuple[tuple[float, ...], ...]
 
@@ -30,6 +32,10 @@ def _rings(value: Any, info: ValidationInfo) -> tuple[Points, ...]:
     return tuple(within(i, _ring, item, info) for i, item in enumerate(value))
 
 
+def _ends(value: Any, info: ValidationInfo) -> Points:
+    return _points(value, info, 2)
+
+
 class Polygon(Kind):
     """Polygon by its vertices in order, with sides edge0, edge1, ...; sides of holes are hole0.edge0, ..."""
 
@@ -44,3 +50,46 @@ class Polygon(Kind):
         BeforeValidator(_rings),
         WithJsonSchema({"type": "array", "items": {"type": "array", "minItems": 3}}),
     ] = ()
+
+
+class Arc(Strict):
+    """Circular arc in the place of an edge, by one of bulge, through, radius, center."""
+
+    bulge: Number | None = None
+    through: Vector | None = None
+    radius: Number | None = None
+    center: Vector | None = None
+    clockwise: Truth = False
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Arc:
+        if self.one_of(("bulge", "through", "radius", "center"), "an arc") != "center" and self.clockwise:
+            raise fail("only an arc given by its center needs it", key=("clockwise",))
+        return self
+
+
+class Outline(Kind):
+    """Lines and circular arcs through vertices in order; the edges named in `arcs` are arcs."""
+
+    dimension = 2
+    vertices: Annotated[
+        Points,
+        BeforeValidator(_ends),
+        WithJsonSchema({"type": "array", "items": {"type": "array"}, "minItems": 2}),
+    ]
+    arcs: dict[str, Arc]
+
+    @model_validator(mode="after")
+    def _edges_exist(self) -> Outline:
+        last = len(self.vertices) - 1
+        for name in self.arcs:
+            if not re.fullmatch(r"edge(0|[1-9]\d*)", name) or int(name.removeprefix("edge")) > last:
+                raise fail(
+                    f"there is no edge {name!r}: the edges are edge0 to edge{last}", key=("arcs", name)
+                )
+        return self
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments for the constructor."""
+        arcs = {int(name.removeprefix("edge")): arc.model_dump() for name, arc in self.arcs.items()}
+        return {"vertices": self.vertices, "arcs": arcs}

@@ -36,7 +36,7 @@ from rfm.app.schema.derived import (
     Sweep,
 )
 from rfm.app.schema.kind import Kind
-from rfm.app.schema.outlines import Polygon
+from rfm.app.schema.outlines import Outline, Polygon
 from rfm.app.schema.primitives import (
     Ball,
     Box,
@@ -141,6 +141,7 @@ class ShapeSpec(Strict):
     rectangle: Rectangle | None = None
     strip: Strip | None = None
     polygon: Polygon | None = None
+    outline: Outline | None = None
     half_space: HalfSpace | None = None
     ball: Ball | None = None
     ellipsoid: Ellipsoid | None = None

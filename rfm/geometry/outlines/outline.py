@@ -39,7 +39,8 @@ MOST_CURVES = 80
 """With more curves their arrangement is not listed: every chord and every lens is kept."""
 
 _NEAR = 1e-9
-_BISECTIONS = 12
+_BISECTIONS = 8
+_ATTEMPTS = 4
 
 
 def outline(
@@ -64,19 +65,38 @@ def outline(
     """
     edges = _checked(vertices, arcs or {})
     pieces = _separated(edges)
+    for attempt in range(_ATTEMPTS):
+        found = _expression(pieces, edges)
+        if found is not None:
+            return Shape(2, found, _reach(edges))
+        turned = 1.0 if attempt % 2 else -1.0  # not all arcs at once: two may have one chord's line in common
+        pieces = [
+            part for piece in pieces for part in (piece.halves() if turned * piece.bulge > 0.0 else (piece,))
+        ]
+    raise GeometryError("found no expression of the outline that is zero on it only; move a vertex a little")
+
+
+def _expression(pieces: list[Edge], edges: list[Edge]) -> Expression | None:
+    """Expression without superfluous separators; None when it is zero elsewhere than on the outline.
+
+    That happens when a chord lies on the line of an edge: bisected, its arc has other chords.
+    """
     labels = tuple(None if piece.bulge else (f"edge{piece.index}",) for piece in pieces)
     path = np.array([piece.start for piece in pieces])
     sides = Edges(path, np.roll(path, -1, axis=0), labels).literals()
     expression = _joined(pieces, sides, _disks(edges))
     surfaces = expression.surfaces()
     if len(surfaces) > MOST_CURVES or not any(edge.bulge for edge in edges):
-        return Shape(2, expression, _reach(edges))
+        return expression
     extent = _extent(edges)
     points = representatives([curve(surface.function) for surface in surfaces], extent)  # type: ignore[arg-type]
     signs = {surface: _signs(surface, points, extent) for surface in surfaces}
     wanted = _expected(pieces, points, extent)
-    fewest = reduced(expression, lambda attempt: bool((attempt.evaluate(signs) == wanted).all()))
-    return Shape(2, fewest, _reach(edges))
+
+    def correct(attempt: Expression) -> bool:
+        return bool((attempt.evaluate(signs) == wanted).all())
+
+    return reduced(expression, correct) if correct(expression) else None
 
 
 def _joined(pieces: list[Edge], sides: list[Literal], disks: dict[int, Literal]) -> Expression:
@@ -161,6 +181,7 @@ def _separated(edges: list[Edge]) -> list[Edge]:
 
 
 def _entangled(pieces: list[Edge], k: int, tolerance: float) -> bool:
+    """Whether the chord of an arc meets another edge, or a vertex lies in the lens."""
     chord = pieces[k].straight()
     others = [piece for i, piece in enumerate(pieces) if i != k]
     ends = np.array([piece.start for piece in pieces])

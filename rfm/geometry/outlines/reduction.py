@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
-from rfm.geometry.expression import Conjunction, Disjunction, Expression, Literal, conjunction, disjunction
+from rfm.geometry.expression import Expression, Literal, Node
 
 Path: TypeAlias = tuple[int, ...]
 
@@ -15,14 +15,18 @@ def reduced(expression: Expression, correct: Callable[[Expression], bool]) -> Ex
 
     Compound terms are tried first, then literals of auxiliary surfaces (separators), then all others.
     """
-    for kind in (_compound, _separator, _literal):
-        # from the last to the first: dropping a term leaves the places of those before it
-        for path in reversed(list(_places(expression, kind))):
-            attempt = _without(expression, path)
-            if attempt is not None and correct(attempt):
-                expression = attempt
-    tidy = _tidied(expression)
-    return tidy if correct(tidy) else expression
+    before = None
+    while expression != before:
+        before = expression
+        for kind in (_compound, _separator, _literal):
+            # from the last to the first: dropping a term leaves the places of those before it
+            for path in reversed(list(_places(expression, kind))):
+                attempt = _without(expression, path)
+                if attempt is not None and correct(attempt):
+                    expression = attempt
+        tidy = expression.plain()
+        expression = tidy if correct(tidy) else expression
+    return expression
 
 
 def _compound(node: Expression) -> bool:
@@ -40,14 +44,14 @@ def _literal(node: Expression) -> bool:
 def _places(node: Expression, kind: Callable[[Expression], bool], path: Path = ()) -> Iterator[Path]:
     if path and kind(node):
         yield path
-    if isinstance(node, (Conjunction, Disjunction)):
+    if isinstance(node, Node):
         for index, term in enumerate(node.terms):
             yield from _places(term, kind, (*path, index))
 
 
 def _without(node: Expression, path: Path) -> Expression | None:
     """Expression without the term at a place; None when its last term would go."""
-    if not isinstance(node, (Conjunction, Disjunction)):
+    if not isinstance(node, Node):
         return None
     terms = list(node.terms)
     if len(path) == 1:
@@ -58,8 +62,3 @@ def _without(node: Expression, path: Path) -> Expression | None:
             return None
         terms[path[0]] = changed
     return type(node)(tuple(terms)) if terms else None
-
-
-def _tidied(expression: Expression) -> Expression:
-    """Flat, and without compounds of one term."""
-    return expression.fold(Literal, conjunction, disjunction)
