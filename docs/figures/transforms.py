@@ -62,6 +62,7 @@ def render(folder: Path) -> None:
     _save(_wheels(), folder / "wheel.png")
     _save(_blends(), folder / "blends.png")
     _save(_pawn(), folder / "pawn.png")
+    _save(_flag(), folder / "flag.png")
     _save(_maps(), folder / "transforms.png")
 
 
@@ -120,6 +121,17 @@ def _wheels() -> Any:
     for i, (shape, text, values) in enumerate(panels):
         axes = figure.add_axes((0.01 + (i % 3) * 0.33, 0.5 - (i // 3) * 0.49, 0.32, 0.44))
         _levels(axes, shape, box, text, values)
+    return figure
+
+
+def _flag() -> Any:
+    figure = new_figure((7.2, 3.4))
+    region = flag()
+    for i, (text, values) in enumerate(
+        (("minimum and maximum", region.membership), ("R0-function of unit slope", function_of(region)))
+    ):
+        axes = figure.add_axes((0.08 + 0.45 * i, 0.02, 0.4, 0.88))
+        _levels(axes, region, (-0.35, 1.65, -0.2, 2.2), text, values)
     return figure
 
 

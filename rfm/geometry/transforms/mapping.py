@@ -81,7 +81,8 @@ class Pullback:
 
 def mapped(shape: Shape, mapping: Mapping) -> Shape:
     """Image of a shape; labels and parts stay."""
-    return Shape(mapping.dimension, shape.expression.mapped(mapping.surface), mapping.image(shape.reach))
+    expression = shape.expression.mapped(mapping.surface)
+    return Shape(mapping.dimension, expression, mapping.image(shape.reach), system=shape.system)
 
 
 @dataclass(frozen=True, eq=False)

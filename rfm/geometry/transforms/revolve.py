@@ -6,8 +6,9 @@ half r > 0 of the profile is revolved.
 
 ``r = sqrt(p^2 + q^2)`` has a kink on the axis, so wherever the carrier allows it a polynomial with the same
 sign takes the place of ``f(r, t)``: a line becomes a plane, a cylinder ``(R^2 - r^2)/(2R)`` or a cone
-``(s^2 - a^2 r^2)/(2L)`` with a plane through its tip, a circle a sphere or a torus.  Other functions, and
-circles that cross the axis, are composed with r.  The support function is ``h(|n_across|, n_along)``.
+``(s^2 - a^2 r^2)/(2L)`` with a plane through its tip, a circle a sphere or a torus (with a sphere that parts its
+sheets where the circle crosses the axis), an ellipse with an axis on the axis an ellipsoid.  Other functions
+are composed with r.  The support function is ``h(|n_across|, n_along)``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rfm.calculus.types import Array, Value
 from rfm.errors import GeometryError
 from rfm.geometry.carriers import Plane, Quadric, Sphere, Torus, plane
 from rfm.geometry.checks import unit, vector
-from rfm.geometry.expression import Conjunction, Expression, Literal, substituted
+from rfm.geometry.expression import Conjunction, Disjunction, Expression, Literal, substituted
 from rfm.geometry.shape import Shape
 from rfm.geometry.similarity import frame
 from rfm.geometry.support import Support
@@ -75,20 +76,45 @@ class Revolution(Mapping):
         if isinstance(given.function, Plane):
             return self._line(given, given.function)
         if isinstance(given.function, Sphere):
-            return Literal(self._circle(given, given.function))
+            return self._circle(given, given.function)
+        if isinstance(given.function, Quadric) and _even(given.function):
+            return Literal(replace(self.surface(given), function=self._quadric(given.function), degree=2))
         return Literal(self.surface(given))
 
-    def _circle(self, given: Surface, circle: Sphere) -> Surface:
+    def _circle(self, given: Surface, circle: Sphere) -> Expression:
+        """Revolve a disk: a ball, a torus, or what a disk across the axis sweeps with its half r > 0."""
         (distance, height), radius = circle.center, circle.radius
         first, second, along = self.forms
+        center = tuple((self.point + height * self.rows[2]).tolist())
         if distance == 0.0:
-            center = self.point + height * self.rows[2]
-            function: Sphere | Torus = Sphere(tuple(center.tolist()), radius)
-            return replace(self.surface(given), function=function, degree=2)
-        if distance > radius:
-            function = Torus(distance, radius, (first, second), replace(along, offset=along.offset + height))
-            return replace(self.surface(given), function=function, degree=4, normalised=False)
-        return self.surface(given)
+            return Literal(replace(self.surface(given), function=Sphere(center, radius), degree=2))
+        function = Torus(abs(distance), radius, (first, second), replace(along, offset=along.offset + height))
+        surface = replace(self.surface(given), function=function, degree=4, normalised=False)
+        if distance >= radius:
+            return Literal(surface)
+        if distance <= -radius:  # nothing of it at r > 0: an intersection that is empty
+            return Conjunction((Literal(surface), Literal(surface, False)))
+        # the ball through the points where the circles cross parts the two sheets of the quartic
+        waist = (radius**2 - distance**2) ** 0.5
+        parting = Surface(given.label, Sphere(center, waist), degree=2, size=waist, auxiliary=True)
+        if distance > 0.0:
+            return Disjunction((Literal(surface), Literal(parting)))
+        return Conjunction((Literal(surface, False), Literal(parting)))
+
+    def _quadric(self, given: Quadric) -> Quadric:
+        """Revolve a quadric that is even in the distance from the axis."""
+        first, second, along = self.forms
+        factors: list[float] = []
+        forms: list[Plane] = []
+        for factor, form in zip(given.factors, given.forms, strict=True):
+            a, b = form.normal
+            if b == 0.0:
+                factors += [factor * a * a] * 2
+                forms += [first, second]
+            else:
+                factors.append(factor)
+                forms.append(Plane(tuple(b * n for n in along.normal), b * along.offset + form.offset))
+        return Quadric(given.constant, tuple(factors), tuple(forms))
 
     def _line(self, given: Surface, line: Plane) -> Expression | bool:
         """Revolve ``a r + b t > c``."""
@@ -114,6 +140,11 @@ class Revolution(Mapping):
         lateral = replace(surface, function=cone, normalised=False)
         inner = Conjunction((Literal(lateral), Literal(nappe)))
         return inner if a < 0.0 else inner.negated()
+
+
+def _even(given: Quadric) -> bool:
+    """Whether every form depends on the distance alone, without an offset, or on the height alone."""
+    return all(form.normal[0] == 0.0 or (form.normal[1] == 0.0 == form.offset) for form in given.forms)
 
 
 def revolve(
@@ -156,4 +187,4 @@ def revolve(
     expression = substituted(of.expression, leaf)
     if not isinstance(expression, Expression):
         raise GeometryError("the profile has no boundary where x > 0: there is nothing to revolve")
-    return Shape(3, expression, turned.image(of.reach), turned.image(of.outer_reach))
+    return Shape(3, expression, turned.image(of.reach), turned.image(of.outer_reach), of.system)

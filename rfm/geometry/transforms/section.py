@@ -110,7 +110,9 @@ def _cut(solid: Shape, point: Array, normal: Array) -> Shape | None:
         return found is positive
 
     expression = substituted(solid.expression, leaf)
-    return Shape(2, expression, cut.image(solid.reach)) if isinstance(expression, Expression) else None
+    if not isinstance(expression, Expression):
+        return None
+    return Shape(2, expression, cut.image(solid.reach), system=solid.system)
 
 
 def _trace(cut: Cut, surface: Surface) -> Expression | bool:

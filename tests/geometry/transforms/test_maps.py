@@ -166,6 +166,7 @@ VOLUMES = {
     "ring of a triangle (Pappus)": (revolve(g.polygon([(0.5, 0), (1, 0), (0.8, 0.6)])), 0.23 * pi),
     "cone": (revolve(g.polygon([(0, 0), (1, 0), (0, 1)])), pi / 3),
     "ball of a half disk": (revolve(g.disk((0.0, 0.0), 1.0), axis=(1.0, 1.0, 0.0)), 4 / 3 * pi),
+    "ellipsoid": (revolve(g.ellipse((0.0, 0.2), (1.0, 0.5))), 2 / 3 * pi),
     "slanted cylinder": (extrude(g.disk((0, 0), 0.5), (0.3, 0.2, 1.0)), 0.25 * pi),
     "screw": (screw(g.disk((0.2, 0.0), 0.4), 3.0, 1.0), 0.16 * pi),
     "twisted brick": (twist(g.box((-0.5, -0.2, 0), (0.5, 0.2, 1)), 1.0), 0.4),
@@ -194,6 +195,14 @@ def test_a_polygon_through_the_axis_loses_its_negative_half() -> None:
     cylinder = g.cylinder((0, 0, 1), (0, 0, 1), 1.0, 2.0)
     np.testing.assert_array_equal(whole.contains(points), cylinder.contains(points))
     assert {surface.degree for surface in whole.surfaces} == {1, 2}
+
+
+@pytest.mark.parametrize("distance", [0.3, -0.3, 1.0, -1.0])
+def test_circles_across_the_axis(distance: float) -> None:
+    shape = g.disk((distance, 0.1), 1.0) | g.disk((2.0, 0.0), 0.1)
+    points = np.random.default_rng(3).uniform(-2.2, 2.2, (4000, 3))
+    np.testing.assert_array_equal(revolve(shape).contains(points), shape.contains(revolved_back(points)))
+    assert all(surface.degree is not None for surface in revolve(shape).surfaces)
 
 
 def test_revolved_lines_and_circles_stay_polynomials() -> None:
