@@ -23,9 +23,11 @@ from functools import reduce
 import numpy as np
 
 from rfm.calculus.types import Field
+from rfm.errors import DiscretizationError
 from rfm.geometry.distance import distance
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
+from rfm.geometry.weight import Weighting
 from rfm.geometry.weight import weight as build_weight
 from solvers.data import as_field
 from solvers.exact import components_of, required
@@ -55,11 +57,16 @@ class Prescribed:
         return isinstance(self.value, FromExact) and isinstance(self.slope, FromExact | None)
 
 
-def essential_structure(problem: Problem, weight: str) -> tuple[Operator, ...]:
+def essential_structure(problem: Problem, weight: Weighting | Field) -> tuple[Operator, ...]:
     """Structure of the essential conditions of `problem`, one operator for each component of u.
 
     Data taken from the exact solution are extended as ``exact + w q`` with a fixed generic q: the solver is
     told the values on the boundary, never the answer inside.
+
+    Raises
+    ------
+    DiscretizationError
+        The weight is a given function, and slopes are prescribed too.
     """
     domain = problem.domain
     count = problem.equation.components(domain.dimension)
@@ -117,7 +124,9 @@ def slipped(fields: Sequence[Operator], domain: Shape, part: Part, held: Part | 
     return tuple(u - (factor * slope) * along for slope, u in zip(normal, fields, strict=True))
 
 
-def _component(problem: Problem, pieces: Sequence[Prescribed], weight: str, index: int) -> Operator:
+def _component(
+    problem: Problem, pieces: Sequence[Prescribed], weight: Weighting | Field, index: int
+) -> Operator:
     domain = problem.domain
     if not pieces:
         return unknown(domain.dimension, index)
@@ -129,7 +138,7 @@ def _component(problem: Problem, pieces: Sequence[Prescribed], weight: str, inde
 
 
 def _valued(
-    domain: Shape, pieces: Sequence[Prescribed], exact: Field | None, weight: str, index: int
+    domain: Shape, pieces: Sequence[Prescribed], exact: Field | None, weight: Weighting | Field, index: int
 ) -> Operator:
     """Structure of values alone."""
     manufactured = [piece.part for piece in pieces if isinstance(piece.value, FromExact)]
@@ -137,14 +146,18 @@ def _valued(
         (piece.part, as_field(piece.value)) for piece in pieces if not isinstance(piece.value, FromExact)
     ]
     if manufactured:
-        vanishing = build_weight(domain, _joined(manufactured), weight)
+        vanishing = weight if callable(weight) else build_weight(domain, _joined(manufactured), weight)
         extended = _extended(_known(exact), vanishing, domain)
         data += [(part, extended) for part in manufactured]
     return renamed(dirichlet(domain, data, weight=weight), index)
 
 
-def _weight(domain: Shape, pieces: Sequence[Prescribed], weight: str) -> FieldExpr:
+def _weight(domain: Shape, pieces: Sequence[Prescribed], weight: Weighting | Field) -> FieldExpr:
     """Return w_1 w_2^2."""
+    if callable(weight):
+        raise DiscretizationError(
+            "a weight given as a function serves prescribed values, not slopes: give the name of a weight"
+        )
     result = ONE
     for clamped, power in ((False, 1), (True, 2)):
         parts = [piece.part for piece in pieces if (piece.slope is not None) == clamped]
@@ -154,7 +167,11 @@ def _weight(domain: Shape, pieces: Sequence[Prescribed], weight: str) -> FieldEx
 
 
 def _data(
-    domain: Shape, pieces: Sequence[Prescribed], exact: Field | None, vanishing: FieldExpr, weight: str
+    domain: Shape,
+    pieces: Sequence[Prescribed],
+    exact: Field | None,
+    vanishing: FieldExpr,
+    weight: Weighting | Field,
 ) -> FieldExpr:
     """Return g: one formula where one serves, else transfinite interpolation of Taylor polynomials, (7.12)."""
     if all(_is_zero(piece.value) and _is_zero(piece.slope) for piece in pieces):

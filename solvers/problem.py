@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rfm.geometry.box import Box
     from rfm.geometry.part import Part
     from rfm.geometry.shape import Shape
+    from rfm.geometry.weight import Weighting
     from solvers.equations.equation import Equation
     from solvers.exact import Exact
 
@@ -209,7 +210,8 @@ class Discretization:
     basis
         Name of the basis, one of :data:`solvers.bases.registry.BASES`.
     weight
-        Name of the system that builds the weight (see :func:`rfm.geometry.weight.weight`).
+        What builds the weight, a name or a system of R-functions (see :func:`rfm.geometry.weight.weight`), or the
+        weight itself: a field that vanishes, with a slope, where values are prescribed and is positive elsewhere.
     quadrature_points
         Gauss points a direction in cut cells; p + 3 when absent.
     moment_fitting
@@ -223,7 +225,7 @@ class Discretization:
     spacing: float | None = None
     box: Box | None = None
     basis: str = "web-spline"
-    weight: str = "auto"
+    weight: Weighting | Field = "auto"
     quadrature_points: int | None = None
     moment_fitting: bool = True
     conditions: str = "natural"

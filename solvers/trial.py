@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rfm.calculus.types import Field
 from rfm.geometry.part import Part
+from rfm.geometry.weight import Weighting
 from solvers.data import as_field
 from solvers.essential import essential_structure, prescribed
 from solvers.exact import components_of, required
@@ -13,7 +14,7 @@ from structures.operator import Operator
 __all__ = ["as_field", "prescribed_values", "trial_structure"]
 
 
-def trial_structure(problem: Problem, weight: str) -> Operator:
+def trial_structure(problem: Problem, weight: Weighting | Field) -> Operator:
     """Structure of a scalar problem; see :func:`solvers.essential.essential_structure`."""
     (operator,) = essential_structure(problem, weight)
     return operator

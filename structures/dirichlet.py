@@ -14,10 +14,12 @@ from functools import reduce
 from itertools import combinations
 from typing import Any
 
+from rfm.calculus.r_systems import RSystem
 from rfm.calculus.types import Field
 from rfm.errors import StructureError
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
+from rfm.geometry.weight import Weighting
 from rfm.geometry.weight import weight as weight_field
 from structures.field_expression import Constant, FieldExpr, field
 from structures.joining import Piece, join
@@ -38,7 +40,7 @@ def merge(data: Sequence[tuple[Part, Field | FieldExpr | float]]) -> list[Piece]
 def dirichlet(
     domain: Shape,
     data: Sequence[tuple[Part, Field | FieldExpr | float]],
-    weight: str | Field = "auto",
+    weight: Weighting | Field = "auto",
     extra: Field | None = None,
 ) -> Operator:
     """Return u = u0 + w psi with u = g_i on part i for every psi.
@@ -69,9 +71,9 @@ def dirichlet(
     pieces = merge(data)
     _refuse_contradictions(pieces)
     everywhere = reduce(lambda a, b: a | b, (piece.part for piece in pieces))
-    system = weight if isinstance(weight, str) else "auto"
-    w = weight_field(domain, everywhere, weight) if isinstance(weight, str) else weight
-    return join(domain, pieces, system) + field(w) * psi
+    if isinstance(weight, str | RSystem):
+        return join(domain, pieces, weight) + field(weight_field(domain, everywhere, weight)) * psi
+    return join(domain, pieces) + field(weight) * psi
 
 
 def _formula(value: Field | FieldExpr | float) -> Any:

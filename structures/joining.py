@@ -34,6 +34,7 @@ import numpy as np
 from rfm.calculus.jets import partials
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
+from rfm.geometry.weight import Weighting
 from rfm.geometry.weight import weight as weight_field
 from structures.atoms import Atoms, Mask
 from structures.corners import jumps_at
@@ -57,7 +58,7 @@ class Piece:
     value: FieldExpr
 
 
-def join(domain: Shape, pieces: Sequence[Piece], weight: str = "auto") -> FieldExpr:
+def join(domain: Shape, pieces: Sequence[Piece], weight: Weighting = "auto") -> FieldExpr:
     """Return u0, equal to the value of every piece on its part.
 
     Parameters
@@ -89,7 +90,7 @@ def _next(agrees: Mask, done: Mask) -> int:
 
 
 def _blend(
-    atoms: Atoms, data: tuple[FieldExpr, FieldExpr], right: tuple[Mask, Mask], weight: str, scale: float
+    atoms: Atoms, data: tuple[FieldExpr, FieldExpr], right: tuple[Mask, Mask], weight: Weighting, scale: float
 ) -> FieldExpr:
     """Return a field that is right on all atoms on which one of two fields a, b is.
 
@@ -112,7 +113,7 @@ def _blend(
     return interpolate([(a, omegas[0]), (b, omegas[1])], MEETING if len(corners) else APART)
 
 
-def _level(atoms: Atoms, chosen: Mask, weight: str) -> FieldExpr:
+def _level(atoms: Atoms, chosen: Mask, weight: Weighting) -> FieldExpr:
     """Return omega of a set of atoms: the product where they meet, the harmonic sum of what does not.
 
     1/omega = 1/omega_1 + 1/omega_2 + ... keeps the unit slopes, so that blending two groups gives (7.11) for all of

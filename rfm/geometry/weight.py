@@ -22,6 +22,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import TypeAlias
 
 from rfm.calculus.functions import sqrt
 from rfm.calculus.r_systems import NAMES, R0, RSystem
@@ -43,7 +44,11 @@ FEW_OUTLINES = 6
 _CLEARANCE = 1.4
 
 
-def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> Field:
+Weighting: TypeAlias = str | RSystem
+"""How a weight is built: a name that :func:`weight` knows, or a system of R-functions itself."""
+
+
+def weight(shape: Shape, part: Part | Iterable[Part], system: Weighting = "auto") -> Field:
     """Return a weight for a part of the boundary of a shape.
 
     Parameters
@@ -55,8 +60,8 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
     system
         ``product``: raw product of the factors; ``saturated``: holes saturated, more than six
         outlines joined by R0; ``auto``: like ``product`` for up to three holes and six outlines,
-        otherwise like ``saturated`` for what is more; the name of a system of R-functions
-        (``r0``, ``r0m2``, ``rp2``, ``r1``), whose conjunction then joins the factors; or a form with its
+        otherwise like ``saturated`` for what is more; a system of R-functions or the name of one
+        (``r0``, ``r0m2``, ``rp2``, ``spline2``), whose conjunction then joins the factors; or a form with its
         parameters, ``scaled:beta5:alpha2`` of the automatic weight, ``plateau:delta0.1:gamma3`` of the distance
         (``rfm.geometry.weight_forms``).
 
@@ -71,6 +76,8 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: str = "auto") -> F
         For an unknown system, or a parameter out of range.
     """
     wanted = part if isinstance(part, Part) else union(part)
+    if isinstance(system, RSystem):
+        return _conjunction(factors(shape.expression, wanted, system), system)
     levelled = form(system)
     if levelled is not None and wanted.surfaces:
         return levelled((distance if levelled.of_distance else weight)(shape, wanted))

@@ -4,16 +4,24 @@ on a union, u = weight times a smooth function with the load in the weak form.""
 import numpy as np
 import pytest
 
-from rfm.calculus import Value, derivatives, exp, sin
+from rfm.calculus import RSpline, Value, derivatives, exp, sin
+from rfm.errors import DiscretizationError
 from rfm.geometry import disk
 from rfm.geometry.shape import Shape
 from rfm.geometry.weight import weight as weight_of
 from solvers import ritz
 from solvers.equations.energy import Energy
+from solvers.equations.plate import Plate
+from solvers.equations.poisson import Poisson
 from solvers.norms import error_norms
-from solvers.problem import Dirichlet, Discretization, Problem
+from solvers.problem import Clamped, Dirichlet, Discretization, Problem
 
 ONE, OTHER = disk((0, 0), 1.0), disk((0.8, 0), 1.0)
+
+
+def lens(x: Value, y: Value) -> Value:
+    """Product of the two disks' polynomials."""
+    return (1 - x * x - y * y) * (1 - (x - 0.8) ** 2 - y * y)
 
 
 def errors(domain: Shape, weight: str, k: int, grids: tuple[int, ...]) -> np.ndarray:
@@ -54,3 +62,36 @@ def test_groups_differ_by_little(group: int) -> None:
     (error,), _ = errors(ONE | OTHER, f"spline2:group{group}:bound2", 2, (16,))
     (default,), _ = errors(ONE | OTHER, "r0", 2, (16,))
     assert 0.5 < error / default < 2.0
+
+
+def test_a_weight_can_be_a_system_or_a_function() -> None:
+    """Other ordinates than those of the groups, and a weight of one's own: the same as by name."""
+    domain = ONE & OTHER
+    problem = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all"), 0.0),))
+    x, y = np.array([0.1, 0.4, 0.6]), np.array([0.3, -0.5, 0.0])
+
+    def solved(weight):  # type: ignore[no-untyped-def]
+        return ritz.solve(problem, Discretization(degree=2, grid=12, weight=weight)).trial.values(
+            np.stack([x, y], -1)
+        )
+
+    named = solved("spline2")
+    own = RSpline(2, (0.25, 0.5, 1.0), (-1.0, -1.5, -2.0), -1.0)  # those of group 1, doubled
+    np.testing.assert_allclose(solved(own), named, rtol=1e-9)
+    np.testing.assert_allclose(solved(lens), named, rtol=1e-9)
+
+
+def test_values_on_several_parts_with_a_weight_of_ones_own() -> None:
+    domain = ONE.named("one") & OTHER.named("other")
+    left, right = domain.part("one"), domain.part("other")
+    conditions = (Dirichlet(left, lambda x, y: x + 0 * y), Dirichlet(right, lambda x, y: 2 * x + 0 * y))
+    problem = Problem(domain, Poisson(source=0.0), conditions)
+    solution = ritz.solve(problem, Discretization(degree=2, grid=12, weight=lens))
+    on_boundary = np.array([[1.0, 0.0], [-0.2, 0.0], [0.8, 0.6]])
+    np.testing.assert_allclose(solution.trial.values(on_boundary), [1.0, -0.4, 0.8], atol=1e-12)
+
+
+def test_a_function_cannot_hold_slopes() -> None:
+    problem = Problem(ONE, Plate(), (Clamped(ONE.part("all")),))
+    with pytest.raises(DiscretizationError, match="serves prescribed values, not slopes: give the name"):
+        ritz.solve(problem, Discretization(degree=3, grid=8, weight=lambda x, y: 1 - x * x - y * y))
