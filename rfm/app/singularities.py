@@ -62,7 +62,9 @@ def singularities(solution: Solution) -> tuple[Singularity, ...]:
     if len(domain.surfaces) > MOST_SURFACES[domain.dimension] or not domain.box.finite:
         return ()
     held = [c.part for c in problem.conditions if isinstance(c, Dirichlet | Clamped | SimplySupported)]
-    vanishing = weight(domain, held, solution.discretization.weight) if held else None
+    chosen = solution.discretization.weight
+    own = chosen if callable(chosen) else weight(domain, held, chosen)
+    vanishing = own if held else None
     return _corners(domain, vanishing) if domain.dimension == 2 else _edges(domain, vanishing)
 
 
