@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -16,12 +17,13 @@ from solvers.collar import collar_space, corner_cells, only_volume, split, split
 from solvers.corner_rules import corner_rule
 from solvers.cross_assembly import used_cells
 from solvers.flux_collars import REACH, VANISHED, Collar, collared, collars_of
-from solvers.flux_conditions import has_flux
+from solvers.flux_conditions import boundary_pieces, has_flux
 from solvers.grid import Grid
 from solvers.problem import Discretization, Problem
 from solvers.seams import seamless_structure
 from solvers.setting import Region, Setting, Structure
 from solvers.web import SplineSpace
+from structures.contact import meeting_points
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,8 @@ class Exact:
         """Points in the cut cells of collars, unless they are given."""
         if discretization.quadrature_points is not None or not any(has_flux(c) for c in problem.conditions):
             return discretization
-        return replace(discretization, quadrature_points=cut_points(discretization.degree))
+        points = cut_points(discretization.degree, parts_meet(problem))
+        return replace(discretization, quadrature_points=points)
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
         """Structure with the collars that suit the grid."""
@@ -108,11 +111,25 @@ def collar_points(degree: int) -> int:
     return 2 * degree + 3
 
 
-def cut_points(degree: int) -> int:
+def cut_points(degree: int, corners: bool) -> int:
     """Gauss points on pieces of lines in the cut cells of a collar.
 
     Measured on the mixed annulus: for p = 5 and N = 48 the error is 17 % larger with p + 3 points, the same to three
-    digits with p + 4 and more; for p = 2 to 4, p + 3 do.  Moment-fitted rules are of no use here: nearly all of these
-    cells fail their test of smoothness.
+    digits with p + 4 and more; for p = 2 to 4, p + 3 do.  Near corners windows are steeper.  On a quarter of a plate
+    with a hole, N = 18, p + 3 points have 1.8 times the error of 2 p + 3 for p = 3, 90 times for p = 4 and 800
+    times for p = 5; 2 p have 8 times the error for p = 5.  Moment-fitted rules are of no use here: nearly all of
+    these cells fail their test of smoothness.
     """
+    if corners:
+        return collar_points(degree)
     return degree + 3 if degree < 5 else degree + 4
+
+
+def parts_meet(problem: Problem) -> bool:
+    """Whether a surface with a flux condition meets another surface with a condition."""
+    pieces = list(boundary_pieces(problem))
+    return any(
+        len(meeting_points(problem.domain, first, second))
+        for (first, one), (second, two) in combinations(pieces, 2)
+        if has_flux(one) or has_flux(two)
+    )

@@ -16,12 +16,13 @@ from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
 from solvers.data import require_finite
 from solvers.equations.density import Density
+from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
 from solvers.method import Method, require
 from solvers.modes import mode_of
 from solvers.periodicity import fitted, periods_of, wraps_of
 from solvers.posed import require_posed
-from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
+from solvers.problem import Discretization, Problem, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.setting import Region
 from solvers.smoothness import rough_cells
@@ -167,9 +168,7 @@ class Assembly:
         grid = self.background.grid
         order = self.method.boundary_order(self.problem)
         spacing = float(np.max(grid.spacing))
-        natural = replace(
-            self.problem, conditions=tuple(c for c in self.problem.conditions if not isinstance(c, Dirichlet))
-        )
+        natural = replace(self.problem, conditions=tuple(filter(has_flux, self.problem.conditions)))
         for condition, batch in boundary_batches(natural, self.background.rules.boundary, grid):
             coords = batch.points(grid)
             density = self.method.boundary(self.problem, condition, coords, outward(batch), spacing)

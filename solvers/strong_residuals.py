@@ -13,7 +13,8 @@ from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
 from solvers.equations.rows import Row
 from solvers.equations.squares import Square, SquaredDensity
-from solvers.problem import Condition, Dirichlet, Problem
+from solvers.flux_conditions import has_flux
+from solvers.problem import Condition, Problem
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class StrongResiduals:
         spacing: float,
     ) -> SquaredDensity | None:
         """Squares of a natural condition, scaled by the spacing."""
-        if isinstance(condition, Dirichlet):
+        if not has_flux(condition):
             return None
         equation, dimension = problem.equation, len(coords)
         found = equation.condition_rows(condition, coords, normals, problem.exact)

@@ -61,7 +61,7 @@ def summarise(case: Case, solution: Solution) -> dict[str, Any]:
         "relative_max_error": norms.maximum if norms else None,
         "relative_energy_error": measures.energy_norm,
         "boundary_error": boundary_errors(problem, trial, background),
-        "energy": measures.energy if problem.equation.symmetric else None,
+        "energy": measures.energy if problem.equation.symmetric and not problem.oblique else None,
         "linear": {
             "method": linear.method,
             "reason": linear.reason,

@@ -1,5 +1,6 @@
 r"""Dirichlet conditions, tractions, pressures and slip of a vector equation of second order.
 
+A component without a Dirichlet value is free of traction.
 A prescribed traction t adds :math:`-t \cdot u` to the energy on the boundary.  Where a body slips,
 :math:`u \cdot n = 0` is essential, and a prescribed traction works through its tangential part only.
 """
@@ -38,10 +39,12 @@ def condition_rows(
     width = dimension + 1
     if isinstance(condition, Dirichlet):
         wanted = prescribed(condition.value, dimension, exact)
+        forces = flux(coords, normals) if None in wanted else []
         return [
-            ({c * width: 1.0}, values(f"dirichlet[{c}]", datum, coords))
+            (forces[c], 0.0)
+            if datum is None
+            else ({c * width: 1.0}, values(f"dirichlet[{c}]", datum, coords))
             for c, datum in enumerate(wanted)
-            if datum is not None
         ]
     if not isinstance(condition, Traction | Pressure | Slip):
         raise TypeError(f"a vector equation has no condition {type(condition).__name__}")

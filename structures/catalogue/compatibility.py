@@ -83,8 +83,9 @@ def _refuse_conflicts(part: Part, conditions: Sequence[Condition], equation_orde
 
 
 def _same_component(one: Condition, two: Condition) -> bool:
-    components = {c for _, c in one.rows}, {c for _, c in two.rows}
-    return bool(components[0] & components[1]) or any(c < 0 for found in components for c in found)
+    """Tell whether both act in one direction; a normal or tangential one (c < 0) overlaps with every fixed one."""
+    first, second = {c for _, c in one.rows}, {c for _, c in two.rows}
+    return bool(first & second) or (min(first) < 0) != (min(second) < 0)
 
 
 def _refuse_too_few(part: Part, conditions: Sequence[Condition], equation_order: int) -> None:

@@ -17,10 +17,10 @@ from structures.catalogue import traces
 from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.plate_conditions import Moment, Shear
-from structures.catalogue.rule import levels
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import PLATE, first, second
 from structures.features import normalised
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import FieldExpr
 from structures.layers import layer
 from structures.operator import Operator, unknown
 
@@ -43,11 +43,9 @@ def free(
     moment, shear
         m and v.
     """
-    w = field(w)
-    psi, psi2 = unknown(2, 0), unknown(2, 1)
     conditions = [Moment(moment, poisson_ratio, stiffness), Shear(shear, poisson_ratio, stiffness)]
-    (u,) = levels([layer(w, [psi])], conditions)
-    return u.total() + w**4 * psi2
+    (u,) = completed([layer(w, [unknown(2)])], conditions)
+    return u
 
 
 def examples() -> list[OnBoundary]:

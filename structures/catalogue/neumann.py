@@ -15,11 +15,12 @@ from rfm.calculus.types import Field
 from structures.catalogue import traces
 from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
-from structures.catalogue.rule import Site, corrected
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import ELLIPSE, PLATE, SHELL, first, positive
 from structures.catalogue.scalar_conditions import AnisotropicFlux
 from structures.features import normalised
 from structures.field_expression import FieldExpr, field
+from structures.layers import layer
 from structures.operator import D, Operator, unknown
 
 K = ((2.0, 0.5), (0.5, 1.0))
@@ -44,10 +45,9 @@ def neumann(w: Field | FieldExpr, dimension: int, flux: Datum, conductivity: Dat
 
 def anisotropic(w: Field | FieldExpr, flux: Datum, conductivity: tuple[tuple[Datum, ...], ...]) -> Operator:
     """Return u with n . K grad u = flux where w vanishes."""
-    w, dimension = field(w), len(conductivity)
-    psi, psi2 = unknown(dimension, 0), unknown(dimension, 1)
-    (u,) = corrected([psi], Site.of(w, [AnisotropicFlux(flux, conductivity)]))
-    return u + w**2 * psi2
+    psi = layer(w, [unknown(len(conductivity))])
+    (u,) = completed([psi], [AnisotropicFlux(flux, conductivity)])
+    return u
 
 
 def examples() -> list[OnBoundary]:

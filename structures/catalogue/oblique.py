@@ -15,11 +15,12 @@ from rfm.calculus.types import Field
 from structures.catalogue import traces
 from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
-from structures.catalogue.rule import Site, corrected
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import ELLIPSE, first, second
 from structures.catalogue.scalar_conditions import Oblique
 from structures.features import normalised
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import FieldExpr
+from structures.layers import layer
 from structures.operator import Operator, unknown
 
 
@@ -35,10 +36,9 @@ def oblique(
     direction, value, coefficient
         l, g and h.
     """
-    omega, dimension = field(w), len(direction)
-    psi, psi2 = unknown(dimension, 0), unknown(dimension, 1)
-    (u,) = corrected([psi], Site.of(omega, [Oblique(value, tuple(direction), coefficient)]))
-    return u + omega**2 * psi2
+    psi = layer(w, [unknown(len(direction))])
+    (u,) = completed([psi], [Oblique(value, tuple(direction), coefficient)])
+    return u
 
 
 def examples() -> list[OnBoundary]:

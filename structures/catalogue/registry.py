@@ -44,6 +44,7 @@ _ENTRIES = (
     slip.ENTRY,
     slip.NO_SLIDING,
     traction.ENTRY,
+    traction.FRICTIONLESS,
 )
 
 CATALOGUE: MappingProxyType[str, Entry] = MappingProxyType({entry.name: entry for entry in _ENTRIES})

@@ -32,7 +32,7 @@ from dataclasses import dataclass, field
 from structures.catalogue.condition import Condition
 from structures.field_expression import FieldExpr
 from structures.layers import Layers, layer
-from structures.operator import Operator, known
+from structures.operator import Operator, known, unknown
 from structures.transfinite import weights
 
 
@@ -121,6 +121,22 @@ def levels(
 def corrected(u: Sequence[Operator], site: Site) -> list[Operator]:
     """Return u' that satisfies the conditions of one part."""
     return [found.total() for found in levels([layer(site.w, [c]) for c in u], site.conditions, site.held)]
+
+
+def completed(u: Sequence[Layers], conditions: Sequence[Condition]) -> list[Operator]:
+    """Return u' that satisfies conditions of order K or less, and what they leave open, ``u' + w^(K+1) psi'``.
+
+    Parameters
+    ----------
+    u
+        The components, in levels of the part's w; their unknowns are counted from zero.
+    conditions
+        What shall hold.
+    """
+    found = [change.total() for change in levels(u, conditions)]
+    number = 1 + max(psi for component in u for level in component.levels for psi in level.unknowns)
+    rest = u[0].w ** (1 + max(condition.order for condition in conditions))
+    return [c + rest * unknown(c.dimension, number + i) for i, c in enumerate(found)]
 
 
 def combined(u: Sequence[Operator], sites: Sequence[Site], successive: bool = False) -> list[Operator]:

@@ -20,13 +20,14 @@ from collections.abc import Sequence
 
 from rfm.calculus.types import Field
 from structures.catalogue import traces
-from structures.catalogue.condition import Condition, Datum
+from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
-from structures.catalogue.rule import Site, corrected
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import PLATE, SHELL, first, positive, second
 from structures.catalogue.vector_conditions import Normal, Tangential
 from structures.features import normalised
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import FieldExpr
+from structures.layers import layer
 from structures.operator import Operator, unknown
 
 
@@ -42,18 +43,17 @@ def slip(w: Field | FieldExpr, dimension: int, value: Datum = 0.0) -> list[Opera
     value
         g.
     """
-    return _projected(field(w), dimension, Normal(value, dimension))
+    return completed(
+        [layer(w, [unknown(dimension, c)]) for c in range(dimension)], [Normal(value, dimension)]
+    )
 
 
 def no_sliding(w: Field | FieldExpr, given: Sequence[Datum]) -> list[Operator]:
     """Return u with the tangential part of ``given`` where w vanishes."""
-    return _projected(field(w), len(given), Tangential(tuple(given)))
-
-
-def _projected(w: FieldExpr, dimension: int, condition: Condition) -> list[Operator]:
-    psi = [unknown(dimension, c) for c in range(dimension)]
-    rest = [w * unknown(dimension, dimension + c) for c in range(dimension)]
-    return [a + b for a, b in zip(corrected(psi, Site.of(w, [condition])), rest, strict=True)]
+    dimension = len(given)
+    return completed(
+        [layer(w, [unknown(dimension, c)]) for c in range(dimension)], [Tangential(tuple(given))]
+    )
 
 
 def examples() -> list[OnBoundary]:

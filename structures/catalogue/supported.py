@@ -15,10 +15,10 @@ from structures.catalogue import traces
 from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
 from structures.catalogue.plate_conditions import Moment
-from structures.catalogue.rule import levels
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import PLATE, first, second
 from structures.features import normalised
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import FieldExpr
 from structures.layers import layer
 from structures.operator import Operator, known, unknown
 
@@ -41,10 +41,9 @@ def supported(
     value, moment
         g and m.
     """
-    w = field(w)
-    psi, psi2 = unknown(2, 0), unknown(2, 1)
-    (u,) = levels([layer(w, [known(2, value), psi])], [Moment(moment, poisson_ratio, stiffness)])
-    return u.total() + w**3 * psi2
+    deflection = layer(w, [known(2, value), unknown(2)])
+    (u,) = completed([deflection], [Moment(moment, poisson_ratio, stiffness)])
+    return u
 
 
 def examples() -> list[OnBoundary]:

@@ -4,6 +4,11 @@
     F = -(r - (lambda + mu)/(lambda + 2 mu) N (N . r)) / mu,    r = t + sigma(psi) N,    N = grad w.
 
 The correction w F changes sigma n by -(mu F + (lambda + mu) N (N . F)) on w = 0, of which F is the inverse.
+Where a body slips, the normal component of u and the tangential part of the traction are given; on tangential F the
+symbol is -mu:
+
+    u = v - w/mu (r - N (N . r)) + w^2 psi',    v = psi - N (g + N . psi),    r = t + sigma(v) N.
+
 Plane stress is this with lambda replaced by 2 lambda mu / (lambda + 2 mu) (:func:`lame`).  By the
 general rule (:mod:`structures.catalogue.rule`).
 """
@@ -14,14 +19,16 @@ from collections.abc import Sequence
 
 from rfm.calculus.types import Field
 from rfm.errors import StructureError
+from rfm.geometry.part import Part
 from structures.catalogue import traces
 from structures.catalogue.condition import Datum
 from structures.catalogue.entry import Entry, OnBoundary
-from structures.catalogue.rule import Site, corrected
+from structures.catalogue.rule import completed
 from structures.catalogue.samples import PLATE, SHELL, first, positive, second
-from structures.catalogue.vector_conditions import Traction
+from structures.catalogue.vector_conditions import Normal, TangentialTraction, Traction
 from structures.features import normalised
-from structures.field_expression import FieldExpr, field
+from structures.field_expression import FieldExpr
+from structures.layers import layer
 from structures.operator import Operator, unknown
 
 MODELS = ("plane_stress", "plane_strain", "three_dimensional")
@@ -54,11 +61,31 @@ def traction(
     lame_parameters
         (lambda, mu).
     """
-    omega, dimension = field(w), len(given)
-    psi = [unknown(dimension, c) for c in range(dimension)]
-    rest = [omega**2 * unknown(dimension, dimension + c) for c in range(dimension)]
-    loaded = corrected(psi, Site.of(omega, [Traction(tuple(given), lame_parameters)]))
-    return [a + b for a, b in zip(loaded, rest, strict=True)]
+    dimension = len(given)
+    psi = [layer(w, [unknown(dimension, c)]) for c in range(dimension)]
+    return completed(psi, [Traction(tuple(given), lame_parameters)])
+
+
+def frictionless(
+    w: Field | FieldExpr, given: Sequence[Datum], lame_parameters: tuple[Datum, Datum], value: Datum = 0.0
+) -> list[Operator]:
+    """Return u with n . u = g and the tangential part of sigma(u) n = t where w vanishes: slip with friction t.
+
+    Parameters
+    ----------
+    w
+        Normalised to first order.
+    given
+        t; only its tangential part counts.
+    lame_parameters
+        (lambda, mu).
+    value
+        g.
+    """
+    dimension = len(given)
+    psi = [layer(w, [unknown(dimension, c)]) for c in range(dimension)]
+    conditions = [Normal(value, dimension), TangentialTraction(tuple(given), lame_parameters)]
+    return completed(psi, conditions)
 
 
 def examples() -> list[OnBoundary]:
@@ -77,6 +104,24 @@ def examples() -> list[OnBoundary]:
     ]
 
 
+def slip_examples() -> list[OnBoundary]:
+    """Slip with a tangential load, in the plane and in space."""
+    loads, lam = (first, second, positive), (1.0, 0.8)
+    plane = frictionless(normalised(PLATE, PLATE.part("all"), 1), loads[:2], lam, second)
+    space = frictionless(normalised(SHELL, SHELL.part("all"), 1), loads, lam)
+
+    def checks(
+        parts: Sequence[Part], given: Sequence[Datum], value: Datum
+    ) -> list[tuple[Part, traces.Trace]]:
+        wanted = traces.normal_component(value), traces.tangential_traction(given, lam)
+        return [(part, trace) for part in parts for trace in wanted]
+
+    return [
+        OnBoundary(PLATE, plane, checks([PLATE.part(p) for p in ("rim", "hole")], loads[:2], second)),
+        OnBoundary(SHELL, space, checks([SHELL.part(p) for p in ("outer", "inner")], loads, 0.0)),
+    ]
+
+
 ENTRY = Entry(
     name="traction",
     satisfies="sigma(u) n = t",
@@ -86,4 +131,14 @@ ENTRY = Entry(
     normalisation=1,
     derivatives=1,
     examples=examples,
+)
+FRICTIONLESS = Entry(
+    name="slip-and-traction",
+    satisfies="n . u = g and the tangential part of sigma(u) n = t",
+    formula="u = v - w/m (r - N (N.r)) + w^2 psi', v = psi - N (g + N.psi), r = t + sigma(v) N",
+    conditions=("normal component", "tangential traction"),
+    unknowns=2,
+    normalisation=1,
+    derivatives=1,
+    examples=slip_examples,
 )

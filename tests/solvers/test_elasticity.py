@@ -128,9 +128,10 @@ def test_rollers_leave_a_component_free():
     problem = Problem(SQUARE, Elasticity(body_force=None), conditions, exact=exact)
     solution = solve(problem, 4, 8)
     assert measure(problem, solution.trial, solution.background).norms.l2 < 1e-6
+    y = np.linspace(0, 1, 7)
+    assert np.abs(solution.u(np.stack([0 * y, y], axis=1))[:, 0]).max() < 1e-15
     worst = boundary_errors(problem, solution.trial, solution.background)
-    assert worst["square.left"] < 1e-15
-    assert worst["square.bottom"] < 1e-15
+    assert 1e-9 < worst["square.left"] < 1e-5  # no shear, by the functional
 
 
 def test_rollers_leave_a_rigid_motion_free():
@@ -242,7 +243,7 @@ def test_condition_rows_hold_for_the_exact_solution():
     coords = [np.array([0.6, 0.0]), np.array([0.8, 1.0])]
     normals = np.stack(coords, axis=1)
     for condition in (
-        Dirichlet(RING.part("disk"), (FROM_EXACT, None)),
+        Dirichlet(RING.part("disk"), FROM_EXACT),
         Traction(RING.part("disk"), FROM_EXACT),
     ):
         problem = Problem(RING, Elasticity(body_force=None), (condition,), exact=GENERIC)
