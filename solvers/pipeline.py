@@ -18,6 +18,7 @@ from solvers.data import require_finite
 from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
+from solvers.linear.system import Indefinite
 from solvers.method import Method, require
 from solvers.modes import mode_of
 from solvers.periodicity import fitted, periods_of, wraps_of
@@ -36,6 +37,11 @@ from structures.operator import Operator
 CHUNK = 150_000
 """Quadrature points evaluated at a time: keeps the working set of a chunk near 100 MB."""
 
+UNFITTED = (
+    "moment fitting was turned off: with negative weights in cut cells the matrix was not positive definite; a finer "
+    "grid or a lower degree is faster"
+)
+
 
 @on_one_thread
 def solve(
@@ -46,6 +52,9 @@ def solve(
     listener: Listener | None = None,
 ) -> Solution:
     """Solve `problem` by `method`.
+
+    Where moment-fitted weights, some of which are negative, spoil the matrix, all cut cells get their own positive
+    rules.
 
     Raises
     ------
@@ -59,8 +68,21 @@ def solve(
     options = options or SolverOptions()
     require_posed(problem)
     require(method, problem, discretization, options)
-    mode = mode_of(discretization)
     watch = Stopwatch(listener)
+    try:
+        return _solved(problem, discretization, method, options, watch)
+    except Indefinite:
+        if not discretization.moment_fitting:
+            raise
+    unfitted = replace(discretization, moment_fitting=False)
+    return replace(_solved(problem, unfitted, method, options, watch), notes=(UNFITTED,))
+
+
+def _solved(
+    problem: Problem, discretization: Discretization, method: Method, options: SolverOptions, watch: Stopwatch
+) -> Solution:
+    """One solve with the rules as they are asked for."""
+    mode = mode_of(discretization)
     periods = periods_of(problem)
     prepared = mode.quadrature(problem, fitted(discretization, problem.domain, periods))
     background = prepare(problem.domain, prepared, watch, wraps_of(periods))

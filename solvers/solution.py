@@ -113,6 +113,8 @@ class Solution:
         Residual, iterations and choice of the linear solver.
     seconds
         Wall seconds of the phases geometry, quadrature, assembly, solve.
+    notes
+        What was done otherwise than asked for.
     """
 
     problem: Problem
@@ -121,6 +123,7 @@ class Solution:
     trial: Trial
     linear: LinearSolution
     seconds: Mapping[str, float]
+    notes: tuple[str, ...] = ()
 
     @property
     def dofs(self) -> int:

@@ -16,7 +16,7 @@ AGREEMENT = 1e-8
 
 def warnings_of(solution: Solution) -> tuple[str, ...]:
     """Warnings about the data and the quadrature of a solution, one sentence each."""
-    return (*_corner_jumps(solution), *_unresolved(solution))
+    return (*solution.notes, *_corner_jumps(solution), *_unresolved(solution))
 
 
 def _corner_jumps(solution: Solution) -> list[str]:

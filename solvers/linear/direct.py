@@ -10,7 +10,7 @@ import numpy as np
 
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError
-from solvers.linear.system import INDEFINITE, SINGULAR, NotConverged, ScaledSystem
+from solvers.linear.system import INDEFINITE, SINGULAR, NotConverged, ScaledSystem, refusal
 from solvers.threads import threads_for
 
 REFINEMENTS = 2
@@ -50,9 +50,7 @@ class DenseCholesky:
         if info > 0:
             pivot = self._pivot(system, info)
             problem = SINGULAR if pivot > -1e3 * EPSILON * norm else INDEFINITE
-            raise NumericsError(
-                problem.format(why=f"pivot {info} {lowest} is {pivot:.1e} of its diagonal entry")
-            )
+            raise refusal(problem, f"pivot {info} {lowest} is {pivot:.1e} of its diagonal entry")
         condition, _ = dpocon(factor, norm, uplo="L")
         if condition < EPSILON:
             raise NumericsError(SINGULAR.format(why=f"reciprocal condition number {condition:.1e}"))
@@ -122,7 +120,7 @@ class Pardiso:
             return refine(system, lambda b: np.asarray(solver.solve(upper, b)).reshape(-1), tolerance)
         except PyPardisoError as error:
             why = f"{str(error).split('.')[0]}; a singular matrix, as of flux conditions only, says the same"
-            raise NumericsError(INDEFINITE.format(why=why)) from error
+            raise refusal(INDEFINITE, why) from error
         finally:
             solver.free_memory(everything=True)
 
@@ -150,4 +148,4 @@ def check_pivots(pivots: Array) -> None:
     if smallest > 50 * EPSILON:
         return
     problem = SINGULAR if smallest > -1e3 * EPSILON else INDEFINITE
-    raise NumericsError(problem.format(why=f"smallest pivot {smallest:.1e} of the scaled matrix"))
+    raise refusal(problem, f"smallest pivot {smallest:.1e} of the scaled matrix")

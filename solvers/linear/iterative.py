@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rfm.calculus.types import Array
-from rfm.errors import NumericsError
-from solvers.linear.system import INDEFINITE, NotConverged, ScaledSystem
+from solvers.linear.system import INDEFINITE, NotConverged, ScaledSystem, refusal
 
 STALLED = 400
 """Iterations without a smaller residual after which conjugate gradients give up."""
@@ -84,7 +83,7 @@ def conjugate_gradients(
         if not curvature > 0:
             if best <= 1e3 * target:  # the noise of rounding, at the end of the way
                 return x, step
-            raise NumericsError(INDEFINITE.format(why=f"negative curvature in iteration {step}"))
+            raise refusal(INDEFINITE, f"negative curvature in iteration {step}")
         length = product / curvature
         if record is not None:
             record.lengths.append(length)

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rfm.calculus.types import Array
-from rfm.errors import NumericsError
 from solvers.linear.direct import refine
-from solvers.linear.system import INDEFINITE, ScaledSystem
+from solvers.linear.system import INDEFINITE, ScaledSystem, refusal
 
 if TYPE_CHECKING:
     from solvers.linear.nonsymmetric import Equilibrated
@@ -48,7 +47,7 @@ class PivotedCholesky:
         chosen, dropped = pivots[:rank] - 1, pivots[rank:] - 1
         rest = np.diag(array)[dropped] - (np.tril(factor)[rank:, :rank] ** 2).sum(axis=1)
         if rest.min(initial=0.0) < -NEGATIVE:
-            raise NumericsError(INDEFINITE.format(why=f"a function has {rest.min():.1e} of its energy"))
+            raise refusal(INDEFINITE, f"a function has {rest.min():.1e} of its energy")
         triangle = np.asfortranarray(factor[:rank, :rank])
 
         def apply(load: Array) -> Array:

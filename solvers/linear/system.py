@@ -21,6 +21,15 @@ SINGULAR = (
 )
 
 
+class Indefinite(NumericsError):  # noqa: N818 - reads as what happened
+    """The energy of some field is negative."""
+
+
+def refusal(problem: str, why: str) -> NumericsError:
+    """Error for :data:`INDEFINITE` or :data:`SINGULAR` with its reason."""
+    return (Indefinite if problem is INDEFINITE else NumericsError)(problem.format(why=why))
+
+
 class NotConverged(NumericsError):  # noqa: N818 - reads as what happened
     """A method gave up on a matrix that another one may still solve."""
 
@@ -82,7 +91,7 @@ class ScaledSystem:
         if not (diagonal > 0).all():
             worst = int(diagonal.argmin())
             problem, why = (INDEFINITE, "is negative") if diagonal[worst] < 0 else (SINGULAR, "is zero")
-            raise NumericsError(problem.format(why=f"diagonal entry {worst} of {n} {why}"))
+            raise refusal(problem, f"diagonal entry {worst} of {n} {why}")
         scale = 1.0 / np.sqrt(diagonal)
         null_original = np.linalg.qr(vectors)[0]
         null = np.linalg.qr(vectors / scale[:, None])[0]
