@@ -152,6 +152,34 @@ def test_certified_polynomials_are_positive(table: list[float]) -> None:
         assert np.polynomial.polynomial.polyval2d(*found, coefficients) < 1e-2 * (found[0] + found[1])
 
 
+@given(
+    which=st.sampled_from(ALL),
+    changes=st.lists(st.floats(-0.25, 0.25), min_size=11, max_size=11),
+)
+def test_ordinates_that_are_accepted_have_the_signs(which: tuple[int, int], changes: list[float]) -> None:
+    """Certified, not sampled: whatever a random change of ordinates makes, it is refused or right."""
+    k, group = which
+    inner, outer, corner = GROUPS[k][group - 1]
+    inner = tuple(b + c if b else b for b, c in zip(inner, changes, strict=False))
+    outer = tuple(b + c for b, c in zip(outer, changes[len(inner) :], strict=False))
+    try:
+        r = RSpline(k, inner, outer, corner + changes[-1])
+    except GeometryError:
+        return
+    coarse = np.array([-1, -0.8, -0.5, -0.2, -0.05, -1e-3, 1e-3, 0.05, 0.2, 0.5, 0.8, 1])
+    x, y = np.meshgrid(coarse, coarse)
+    np.testing.assert_array_equal(np.sign(r.conjunction(x, y)), np.sign(np.minimum(x, y)))
+
+
+def test_jax_arrays() -> None:
+    import jax
+
+    r = spline_system(3, 5)
+    x, y = np.array([0.3, -0.4, 0.5]), np.array([0.7, 0.2, -0.6])
+    slope = jax.vmap(jax.grad(r.conjunction))(x, y)
+    np.testing.assert_allclose(slope, partials(r.conjunction, (x, y), 1)[1], rtol=1e-5)
+
+
 def test_bad_ordinates() -> None:
     for build, message in (
         (lambda: system("spline4"), "spline R-functions have bidegree 1, 2 or 3, got 4"),
