@@ -12,6 +12,7 @@ from types import MappingProxyType
 from rfm.calculus.types import Field
 from rfm.errors import GeometryError
 from rfm.geometry import support
+from rfm.geometry.boundaries.curve import curve
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
 from rfm.geometry.outlines.outline import outline
@@ -89,6 +90,7 @@ KINDS: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
         "cylinder": cylinder,
         "cone": cone,
         "torus": torus,
+        "curve": curve,
         "function": function,
     }
 )

@@ -18,6 +18,7 @@ from pydantic_core import CoreSchema
 
 from rfm.app.domain import DomainExpression
 from rfm.app.schema.base import Strict
+from rfm.app.schema.curves import Curve
 from rfm.app.schema.derived import (
     Blend,
     BoundedBlend,
@@ -151,6 +152,7 @@ class ShapeSpec(Strict):
     cone: Cone | None = None
     torus: Torus | None = None
     interval: Interval | None = None
+    curve: Curve | None = None
     function: Function | None = None
     blend: Blend | None = None
     displacement_blend: DisplacementBlend | None = None

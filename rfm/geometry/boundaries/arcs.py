@@ -88,6 +88,13 @@ class Arcs(Curves):
             :, None
         ] * self.toward_middle
 
+    def reach(self, directions: Array) -> Array:
+        """See :class:`Curves`; the farthest point of the circle where it is on the arc."""
+        first, second = directions @ self.toward_middle.T, directions @ self.across.T
+        on = np.abs(np.arctan2(second, first)) <= self.half_opening
+        far = directions @ self.center.T + self.radius * np.hypot(first, second)
+        return np.asarray(np.maximum(super().reach(directions), np.where(on, far, -np.inf).max(axis=1)))
+
 
 def arc(center: Sequence[float], radius: float, start: float, end: float) -> Joined:
     """Arc of the plane between two angles in radians, counter-clockwise when `end` exceeds `start`.

@@ -90,6 +90,22 @@ class Cubics(Curves):
         inside = _lens(local[0], local[1], self.cotangent) > 0.0
         return np.where(inside, beside.astype(np.float64) - left, 0.0)
 
+    def reach(self, directions: Array) -> Array:
+        """See :class:`Curves`; the stationary points of ``n . P(r)`` that are on the arc."""
+        local = np.einsum("kd,njd->knj", directions, self.frame) * self.size[:, None]
+        a = np.einsum("knj,nij->ikn", local, self.coefficients)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # 3 a_3 r^2 + 2 a_2 r + a_1 = 0, without the difference of nearly equal numbers
+            root = np.sqrt(a[2] ** 2 - 3.0 * a[1] * a[3])
+            q = -(a[2] + np.where(a[2] < 0.0, -root, root))
+            stationary = (q / (3.0 * a[3]), a[1] / q)
+        result = super().reach(directions)
+        middle = directions @ (0.5 * (self.start + self.end)).T
+        for r in stationary:
+            r = np.clip(np.nan_to_num(r), 0.0, 1.0)
+            result = np.maximum(result, (middle + a[0] + (a[1] + (a[2] + a[3] * r) * r) * r).max(axis=1))
+        return result
+
     def _offsets(self, coords: tuple[Value, ...]) -> list[Value]:
         middle = 0.5 * (self.start + self.end)
         return [x - c for x, c in zip(coords, middle.T, strict=True)]

@@ -77,6 +77,14 @@ class Parabolas(Curves):
         sense = self._sense
         return np.where((self.side(x, y) * sense > 0.0) & (left == (sense < 0.0)), sense, 0.0)
 
+    def reach(self, directions: Array) -> Array:
+        """See :class:`Curves`; the vertex of ``n . P(r)`` where it is on the arc."""
+        linear, square = (directions @ vectors.T for vectors in np.linalg.inv(self.dual).transpose(2, 0, 1))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            r = np.clip(np.nan_to_num(-0.5 * linear / square), 0.0, 1.0)
+        inner = directions @ self.start.T + (linear + square * r) * r
+        return np.asarray(np.maximum(super().reach(directions), inner.max(axis=1)))
+
     @property
     def _sense(self) -> Array:
         """Tell the way it turns: +1 to the left."""

@@ -79,6 +79,10 @@ class Curves(Sided):
         `left` tells where a point lies on the left of the chord.
         """
 
+    def reach(self, directions: Array) -> Array:
+        """Largest ``n . x`` on the pieces for unit directions n (k, d), shape (k,); here that of the ends."""
+        return np.asarray(np.maximum(directions @ self.start.T, directions @ self.end.T).max(axis=1))
+
 
 @dataclass(frozen=True, eq=False)
 class Joined:
