@@ -132,6 +132,7 @@ def feature(of: Feature | Shape | Sequence[float], part: Part | None = None) -> 
 
 
 SAMPLES = 128
+HALVINGS = 3
 STEP = 0.02  # of the domain's size: far above rounding for high orders, below most features
 
 
@@ -170,15 +171,17 @@ def _contact_order(w: FieldExpr, domain: Shape, part: Part, order: int) -> int:
     if not points.size:
         return order
     inward = expansion(w, points, 1)[1:]
-    step = STEP * size_of(domain)
+    largest = STEP * size_of(domain)
     errors = []
-    for t in (step, step / 2):
-        along = expansion(w, points + t * inward, 0)[0]
-        errors.append(np.nan_to_num(np.abs(along - t), nan=np.inf))
-    tiny = errors[1] < 1e-12 * step
-    with np.errstate(all="ignore"):
-        measured = np.where(tiny, np.inf, np.log2(errors[0] / errors[1]))
-    middle = float(np.median(np.nan_to_num(measured, nan=0.0, posinf=99.0)))
+    with np.errstate(all="ignore"):  # derivatives that do not exist show as an order that is not reached
+        for t in largest / 2.0 ** np.arange(HALVINGS + 1):
+            along = expansion(w, points + t * inward, 0)[0]
+            errors.append(np.nan_to_num(np.abs(along - t), nan=np.inf))
+        tiny = np.array(errors[1:]) < 1e-12 * largest
+        orders = np.where(tiny, np.inf, np.log2(np.array(errors[:-1]) / errors[1:]))
+    # the next features of a shape are near at the first step, rounding at the last
+    measured = np.nanmax(np.where(np.isnan(orders), -np.inf, orders), axis=0)
+    middle = float(np.median(np.nan_to_num(measured, neginf=0.0, posinf=99.0)))
     return order if middle > order + 0.5 else max(0, round(middle) - 1)
 
 

@@ -64,7 +64,7 @@ def test_simplification_keeps_the_truth(predicate: Predicate) -> None:
 
 
 @settings(max_examples=100, deadline=None)
-@given(predicates, st.sampled_from(["r1", "r0", "rp4", "ralpha0.5"]))
+@given(predicates, st.sampled_from(["r1", "r0", "rp4", "ralpha0.5", "rnorm2", "spline2"]))
 def test_function_of_a_predicate_has_its_sign_in_every_system(predicate: Predicate, system: str) -> None:
     truth = table(predicate)
     if truth.all() or not truth.any():
@@ -261,7 +261,7 @@ def test_theorem_4(name: str, order: int) -> None:
     w = normalised_function(domain, order)
     checked = 0
     for surface in domain.surfaces:
-        points, normals = boundary_points(domain, surface, 60)
+        points, normals = boundary_points(domain, surface, 40)
         others = [np.abs(s.function(*points.T)) for s in domain.surfaces if s is not surface]
         keep = np.min(others, axis=0) > 0.1
         points, normals = points[keep], normals[keep]
@@ -275,7 +275,7 @@ def test_theorem_4(name: str, order: int) -> None:
         assert np.abs(jet[0]).max() < 1e-12
         assert np.abs(jet[1] - 1.0)[calm].max() < 1e-11
         assert np.abs(jet[2:, calm]).max(initial=0.0) < 1e-7
-    assert checked > 50
+    assert checked > 30
 
 
 def along_normals(field: object, points: np.ndarray, normals: np.ndarray, order: int) -> np.ndarray:

@@ -131,3 +131,11 @@ def test_errors():
         scattered([[0, 0], [0, 0]], [1.0, 2.0])
     with pytest.raises(StructureError, match="shape of the points"):
         scattered([[0, 0], [1, 1]], [1.0, 2.0], [[1.0, 0.0]])
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_other_features_nearby_are_no_lack_of_smoothness(order):
+    plate = g.rectangle((0, 0), (2, 1)).named("plate") - g.disk((1, 0.5), 0.2).named("hole")
+    w = normalised(plate, plate.part("all"), order)
+    x = np.array([0.3, 0.9])
+    assert (w(x, np.zeros(2)) == 0.0).all()
