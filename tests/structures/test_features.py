@@ -11,7 +11,7 @@ import rfm.geometry as g
 from rfm.calculus.functions import exp, sin
 from rfm.calculus.jets import partials
 from rfm.errors import StructureError
-from structures.features import Curve, Point, Region, feature
+from structures.features import Curve, Point, Region, feature, normalised
 from structures.scattered import material, scattered
 from structures.transfinite import interpolate, interpolate_derivatives, weights
 
