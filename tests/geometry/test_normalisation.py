@@ -88,5 +88,5 @@ def test_alpha_as_a_function_keeps_the_slope() -> None:
 
 def test_order_must_be_positive() -> None:
     for build in (lambda: g.distance(OVAL, OVAL.part("all"), 0), lambda: g.normalise(lambda x: x, 1, 0)):
-        with pytest.raises(GeometryError, match="^order of normalisation must be at least 1, got 0$"):
+        with pytest.raises(GeometryError, match=r"^order of normalisation must be at least 1, got 0$"):
             build()
