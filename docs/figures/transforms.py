@@ -11,7 +11,7 @@ from PIL import Image
 import rfm.geometry as g
 from rfm.app.pictures.canvas import FAINT, INK, new_figure, png_bytes
 from rfm.calculus import partials
-from rfm.geometry.blending import blend, bounded_blend, displacement_blend, offset
+from rfm.geometry.blending import blend, bounded_blend, displacement_blend, shell
 from rfm.geometry.blending.operands import function_of
 from rfm.geometry.transforms import (
     affine,
@@ -207,7 +207,10 @@ def _maps() -> Any:
             "blend",
             blend([g.ball((0, 0, 0), 0.7), g.cylinder((0, 0, 0), (0, 0, 1), 0.3, 2.0), revolve(tube)], 0.2),
         ),
-        ("offset of a cone", offset(g.cone((0, 0, 0.8), (0, 0, -1), 0.7, 1.4), 0.1)),
+        (
+            "shell, cut open",
+            shell(g.ball((0, 0, 0), 1.0), 0.15) - g.half_space((0, 0, 0), (0.49, -0.79, 0.37)),
+        ),
     ]
     for i, (text, solid) in enumerate(solids):
         axes = figure.add_axes((0.005 + (i % 5) * 0.199, 0.5 - (i // 5) * 0.49, 0.19, 0.42))
@@ -225,7 +228,7 @@ def _picture(solid: g.Shape, pixels: int, centre: tuple[float, float, float], ha
     up = np.cross(toward, right)
     u, v = np.meshgrid(np.linspace(-half, half, pixels), np.linspace(half, -half, pixels))
     base = np.array(centre) + u.reshape(-1, 1) * right + v.reshape(-1, 1) * up
-    steps = np.linspace(2.2 * half, -2.2 * half, 160)
+    steps = np.linspace(2.2 * half, -2.2 * half, 400)
     hit = np.full(len(base), np.nan)
     open_ = np.arange(len(base))
     for far, near in zip(steps[1:], steps[:-1], strict=True):

@@ -20,7 +20,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from rfm.calculus.functions import absolute, atan2, cos, hypot, sin
+from rfm.calculus.functions import absolute, atan2, cos, hypot, sin, where
 from rfm.calculus.types import Array, Value
 from rfm.calculus.waves import fold_series, triangle
 from rfm.errors import GeometryError
@@ -32,6 +32,8 @@ from rfm.geometry.transforms.mapping import Mapping, mapped
 from rfm.geometry.transforms.screw import cylinder_reach, radius_about_axis
 
 Wave = Callable[[Value], Value]
+
+_BESIDE = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +54,8 @@ class Kaleidoscope(Mapping):
     def back(self, *coords: Value) -> tuple[Value, ...]:
         """Folded point."""
         x, y, *height = coords
+        # at the center the angle has no derivative; a point beside it stands for the center
+        x = x + where((x == 0.0) & (y == 0.0), _BESIDE, 0.0)
         angle = self.wave(atan2(absolute(y), x))
         distance = hypot(x, y)
         return (distance * cos(angle), distance * sin(angle), *height)

@@ -162,7 +162,10 @@ VOLUMES = {
     "ellipse": (affine(g.disk((0, 0), 1.0), [[2, 0.5], [0, 0.7]]), 1.4 * pi),
     "ring of a rectangle": (revolve(g.rectangle((1.0, 0.0), (2.0, 0.5))), 1.5 * pi),
     "torus": (revolve(g.disk((1.0, 0.0), 0.4)), 0.32 * pi**2),
-    "ring of an ellipse (Pappus)": (revolve(g.ellipse((1.0, 0.0), (0.5, 0.4))), 0.4 * pi**2),
+    "eighth of a ring of an ellipse (Pappus)": (
+        revolve(g.ellipse((1.0, 0.0), (0.5, 0.4))) & g.box((0, 0, 0), (2, 2, 1)),
+        0.05 * pi**2,
+    ),
     "ring of a triangle (Pappus)": (revolve(g.polygon([(0.5, 0), (1, 0), (0.8, 0.6)])), 0.23 * pi),
     "cone": (revolve(g.polygon([(0, 0), (1, 0), (0, 1)])), pi / 3),
     "ball of a half disk": (revolve(g.disk((0.0, 0.0), 1.0), axis=(1.0, 1.0, 0.0)), 4 / 3 * pi),
