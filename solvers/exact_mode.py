@@ -88,7 +88,7 @@ def regions(
         near |= used_cells(space)
     far, collar = split(background, near, points)
     pairs = [(c.own, other) for c in collars for other in c.meeting]
-    if not pairs or grid.dimension > 2:  # edges in space: too many cells; their raised rule has to do
+    if not pairs:
         return Region(essential, far), Region(structure, collar)
     at_corners = np.zeros_like(near)
     at_corners[tuple(cells[corner_cells(grid, cells, pairs)].T)] = True

@@ -137,19 +137,50 @@ def initial_boxes(
     rows
         Which cells are wanted.
     """
-    active = active[rows]
+    d = grid.dimension
+    yield from _grouped(
+        logic, grid, cells, rows, np.zeros((len(rows), d)), np.ones((len(rows), d)), signs[rows], active[rows]
+    )
+
+
+def sampled_boxes(
+    logic: Logic, grid: Grid, cells: Integers, rows: Integers, lower: Array, width: Array
+) -> Iterator[Boxes]:
+    """Sample all surfaces on boxes inside cells.
+
+    Parameters
+    ----------
+    logic
+        The domain.
+    grid, cells
+        All cells ``(n, d)`` of the job.
+    rows, lower, width
+        Cell of each box, its corner and side lengths in unit coordinates of the cell.
+    """
+    signs = np.zeros((len(rows), len(logic.surfaces)), dtype=np.int8)
+    yield from _grouped(logic, grid, cells, rows, lower, width, signs, logic.relevant(signs))
+
+
+def _grouped(
+    logic: Logic,
+    grid: Grid,
+    cells: Integers,
+    rows: Integers,
+    lower: Array,
+    width: Array,
+    signs: Signs,
+    active: Mask,
+) -> Iterator[Boxes]:
+    """Group boxes by the number of active surfaces and their degree, and sample each group."""
     degrees = np.array([degree_of(surface) for surface in logic.surfaces])
     count = active.sum(axis=1)
     degree = np.where(active, degrees, 1).max(axis=1)
     for m, k in sorted(set(zip(count.tolist(), degree.tolist(), strict=True))):
         chosen = np.flatnonzero((count == m) & (degree == k))
         slots = np.nonzero(active[chosen])[1].reshape(len(chosen), m)
-        n, d = len(chosen), grid.dimension
-        base = signs[rows[chosen]]
+        base = signs[chosen]
         np.put_along_axis(base, slots, np.int8(0), axis=1)
-        yield from _sampled(
-            logic, grid, cells, rows[chosen], np.zeros((n, d)), np.ones((n, d)), slots, base, k
-        )
+        yield from _sampled(logic, grid, cells, rows[chosen], lower[chosen], width[chosen], slots, base, k)
 
 
 def _sampled(

@@ -7,11 +7,11 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError
-from rfm.geometry.primitives import ball, disk, rectangle
+from rfm.geometry.primitives import ball, box, disk, rectangle
 from solvers import ritz
 from solvers.background import prepare
 from solvers.collar import collar_space
-from solvers.corner_rules import corner_rule
+from solvers.corner_rules import corner_rule, graded
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.energy import Energy
 from solvers.equations.plate import Plate
@@ -37,7 +37,6 @@ ANNULUS = disk(center=(0.5, 0.5), radius=0.4).named("outer") - disk(center=(0.5,
     "inner"
 )
 PLATE = rectangle(min=(0, 0), max=(1.2, 1)).named("r")
-SHELL = ball(center=(0, 0, 0), radius=1.0).named("outer") - ball(center=(0, 0, 0), radius=0.4).named("inner")
 
 MIXED = Problem(
     ANNULUS,
@@ -59,14 +58,34 @@ FOUR = Problem(
     ),
     exact=lambda x, y: exp(0.5 * x) * cos(2 * y + 0.4) + x * y * y,
 )
-THREE_D = Problem(
-    SHELL,
-    Poisson(source=None),
+
+
+def shell(radius):
+    """Value inside at the given radius, exchange outside at radius 1."""
+    body = ball(center=(0, 0, 0), radius=1.0).named("outer") - ball(center=(0, 0, 0), radius=radius).named(
+        "inner"
+    )
+
+    def exact(x, y, z):
+        return 1 + x * z + (x * x + y * y + z * z - radius**2) * exp(0.5 * x) * sin(y + 0.4) * cos(z)
+
+    held = Dirichlet(body.part("inner"), lambda x, y, z: 1 + x * z)
+    return Problem(body, Poisson(source=None), (held, Robin(body.part("outer"), 2.0, FROM_EXACT)), exact)
+
+
+THREE_D = shell(0.4)
+
+
+BLOCK = box(min=(0, 0, 0), max=(1.2, 1, 0.8)).named("b")
+EDGES = Problem(
+    BLOCK,
+    Poisson(source=None, conductivity=lambda x, y, z: 1 + 0.3 * x * y),
     (
-        Dirichlet(SHELL.part("inner"), lambda x, y, z: 1 + x * z),
-        Robin(SHELL.part("outer"), 2.0, FROM_EXACT),
+        Dirichlet(BLOCK.part("b.bottom") | BLOCK.part("b.right") | BLOCK.part("b.back"), FROM_EXACT),
+        Neumann(BLOCK.part("b.left") | BLOCK.part("b.front"), FROM_EXACT),
+        Robin(BLOCK.part("b.top"), 2.0, FROM_EXACT),
     ),
-    exact=lambda x, y, z: 1 + x * z + (x * x + y * y + z * z - 0.16) * exp(0.5 * x) * sin(y + 0.4) * cos(z),
+    exact=lambda x, y, z: exp(0.5 * x) * cos(2 * y + 0.4) * (1 + 0.5 * z * z) + x * y * z,
 )
 
 
@@ -112,6 +131,25 @@ def test_shell():
     solution = solve(THREE_D, 2, 6)
     assert residual(solution) < 1e-11
     assert error(solution) < 2 * error(solve(THREE_D, 2, 6, "natural"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("degree", "grids"), [(2, (16, 24)), (3, (12, 16))])
+def test_order_on_the_shell(degree, grids):
+    """The collar has its full width from N = 15 on."""
+    problem = shell(0.25)
+    solutions = [solve(problem, degree, grid) for grid in grids]
+    assert max(residual(s) for s in solutions) < 1e-11
+    errors = [error(s) for s in solutions]
+    for grid, e in zip(grids, errors, strict=True):
+        assert e < 2 * error(solve(problem, degree, grid, "natural"))
+    assert np.log(errors[0] / errors[1]) / np.log(grids[1] / grids[0]) > degree + 1 - 0.3
+
+
+def test_edges_of_a_box_where_conditions_meet():
+    solution = solve(EDGES, 2, 6)
+    assert residual(solution) < 1e-11
+    assert error(solution) < 2 * error(solve(EDGES, 2, 6, "natural"))
 
 
 def test_pieces_of_one_circle():
@@ -227,6 +265,25 @@ def test_corner_rule_integrates_what_has_no_limit():
     value = (rule.weights[counted] * x[counted] ** 2 / (x[counted] ** 2 + y[counted] ** 2)).sum()
     assert value == pytest.approx(0.5, abs=1e-10)
     assert rule.weights.sum() == pytest.approx(1.0, abs=1e-13)
+
+
+def test_rule_along_edges():
+    """x^2 / (x^2 + y^2) over the unit cube; few boxes along an edge of the grid, more along one across it."""
+    cube = box(min=(0, 0, 0), max=(1, 1, 1)).named("c")
+    grid = Grid(np.zeros(3), np.full(3, 0.5), np.full(3, 2))
+    cells = np.argwhere(np.ones(grid.shape, dtype=bool))
+    straight = [(lambda x, y, z: x, lambda x, y, z: y)]
+    rule = corner_rule(cube, grid, cells, straight, 9).padded()
+    x, y, _ = rule.points(grid)
+    counted = rule.weights > 0
+    value = (rule.weights[counted] * x[counted] ** 2 / (x[counted] ** 2 + y[counted] ** 2)).sum()
+    assert value == pytest.approx(0.5, abs=1e-7)
+    assert rule.weights.sum() == pytest.approx(1.0, abs=1e-13)
+    boxes = graded(grid, cells, straight, 5)
+    assert len(boxes.row) == 2 * (3 * 5 + 1) + 6
+    assert np.prod(boxes.width, axis=1).sum() == pytest.approx(8)
+    oblique = [(lambda x, y, z: x + y - 1, lambda x, y, z: z)]
+    assert len(boxes.row) < len(graded(grid, cells, oblique, 5).row) < 4000
 
 
 def test_refusals_name_the_remedy():
