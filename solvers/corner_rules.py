@@ -7,9 +7,9 @@ limit there.  A cell near such a corner or edge is cut into boxes whose extent i
           \text{near:}\ |w_1|, |w_2| < 2 \max_i \sum_k r_{ik}
 
 (at the box's centre, :math:`\Delta_k` its sides), by halving a near box in those directions in which the two functions
-change most: across an edge, not along it, unless the edge is oblique to the grid.  When an extent has shrunk enough, what
-is left is too small to matter: every level divides it by four.  On a box the integrand is analytic at the scale
-of the box, so it is integrated as accurately as anything by a Gauss rule of the same number of points.
+change most: across an edge, not along it, unless the edge is oblique to the grid.  When an extent has shrunk
+enough, what is left is too small to matter: every level divides it by four.  On a box the integrand is analytic at
+the scale of the box, so a Gauss rule of the same number of points is as accurate there as anywhere.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError
-from rfm.geometry.primitives import ball, box, disk, rectangle
+from rfm.geometry.primitives import ball, box, disk, half_space, rectangle
 from solvers import ritz
 from solvers.background import prepare
 from solvers.collar import collar_space
@@ -81,11 +81,24 @@ EDGES = Problem(
     BLOCK,
     Poisson(source=None, conductivity=lambda x, y, z: 1 + 0.3 * x * y),
     (
-        Dirichlet(BLOCK.part("b.bottom") | BLOCK.part("b.right") | BLOCK.part("b.back"), FROM_EXACT),
-        Neumann(BLOCK.part("b.left") | BLOCK.part("b.front"), FROM_EXACT),
-        Robin(BLOCK.part("b.top"), 2.0, FROM_EXACT),
+        Dirichlet(BLOCK.part("b.bottom"), lambda x, y, z: exp(0.5 * x) * cos(2 * y + 0.4)),
+        Neumann(BLOCK.part("b.left") | BLOCK.part("b.front") | BLOCK.part("b.right"), FROM_EXACT),
+        Robin(BLOCK.part("b.back") | BLOCK.part("b.top"), 2.0, FROM_EXACT),
     ),
     exact=lambda x, y, z: exp(0.5 * x) * cos(2 * y + 0.4) * (1 + 0.5 * z * z) + x * y * z,
+)
+
+DOME = ball(center=(0, 0, 0), radius=1.0).named("ball") & half_space(point=(0, 0, 0), normal=(0, 0, 1)).named(
+    "flat"
+)
+ROUND = Problem(
+    DOME,
+    Poisson(source=None),
+    (
+        Dirichlet(DOME.part("flat"), lambda x, y, z: exp(0.5 * x) * cos(2 * y + 0.4)),
+        Neumann(DOME.part("ball"), FROM_EXACT),
+    ),
+    exact=EDGES.exact,
 )
 
 
@@ -146,10 +159,13 @@ def test_order_on_the_shell(degree, grids):
     assert np.log(errors[0] / errors[1]) / np.log(grids[1] / grids[0]) > degree + 1 - 0.3
 
 
-def test_edges_of_a_box_where_conditions_meet():
-    solution = solve(EDGES, 2, 6)
+@pytest.mark.parametrize(
+    ("problem", "grid"), [(ROUND, 6), pytest.param(EDGES, 8, marks=pytest.mark.slow)], ids=["dome", "box"]
+)
+def test_edges_where_conditions_meet(problem, grid):
+    solution = solve(problem, 2, grid)
     assert residual(solution) < 1e-11
-    assert error(solution) < 2 * error(solve(EDGES, 2, 6, "natural"))
+    assert error(solution) < 2 * error(solve(problem, 2, grid, "natural"))
 
 
 def test_pieces_of_one_circle():
