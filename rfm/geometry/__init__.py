@@ -10,6 +10,8 @@ from rfm.geometry.extension import extend
 from rfm.geometry.normalisation import kept_order, normalise
 from rfm.geometry.outlines.outline import outline
 from rfm.geometry.outlines.polygon import polygon
+from rfm.geometry.outlines.polyhedron import polyhedron
+from rfm.geometry.outlines.signed import signed_difference
 from rfm.geometry.part import Part
 from rfm.geometry.primitives import KINDS, function
 from rfm.geometry.primitives_1d import interval
@@ -44,8 +46,10 @@ __all__ = [
     "normalise",
     "outline",
     "polygon",
+    "polyhedron",
     "rectangle",
     "sample",
+    "signed_difference",
     "slab",
     "strip",
     "torus",

@@ -17,6 +17,7 @@ from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
 from rfm.geometry.outlines.outline import outline
 from rfm.geometry.outlines.polygon import polygon
+from rfm.geometry.outlines.polyhedron import polyhedron
 from rfm.geometry.primitives_1d import interval
 from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
 from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
@@ -90,6 +91,7 @@ KINDS: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
         "cylinder": cylinder,
         "cone": cone,
         "torus": torus,
+        "polyhedron": polyhedron,
         "curve": curve,
         "function": function,
     }

@@ -211,3 +211,22 @@ def test_a_cusp_is_refused() -> None:
     arcs = {0: {"center": (0, 1)}, 2: {"center": (0, 2), "clockwise": True}}
     with pytest.raises(GeometryError, match=r"edge2 comes too close to another edge near \[.*\] \(a cusp"):
         g.outline([(0, 0), (1, 1), (2, 2)], arcs)
+
+
+@pytest.mark.parametrize(
+    ("name", "area", "length"),
+    [
+        ("half disk", math.pi / 2, math.pi + 2),
+        ("slot", 3 + math.pi / 4, 6 + math.pi),
+        ("notch", 6 - math.pi / 8, 9 + math.pi / 2),
+        ("bump", 6 + math.pi / 8, 9 + math.pi / 2),
+        ("three quarters", 0.75 * math.pi, 2 + 1.5 * math.pi),
+    ],
+)
+def test_areas_and_lengths(name: str, area: float, length: float) -> None:
+    from solvers.shape_integrals.properties import properties
+
+    vertices, arcs, _, _ = GALLERY[name]
+    found = properties(g.outline(vertices, arcs))
+    assert found.volume == pytest.approx(area, rel=1e-7)
+    assert found.surface == pytest.approx(length, rel=1e-6)

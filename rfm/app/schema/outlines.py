@@ -1,4 +1,4 @@
-"""Shapes given by their boundary: polygons, outlines of lines and arcs."""
+"""Shapes given by their boundary: polygons, outlines of lines and arcs, polyhedra."""
 
 from __future__ import annotations
 
@@ -93,3 +93,37 @@ class Outline(Kind):
         """Arguments for the constructor."""
         arcs = {int(name.removeprefix("edge")): arc.model_dump() for name, arc in self.arcs.items()}
         return {"vertices": self.vertices, "arcs": arcs}
+
+
+def _chain(value: Any, info: ValidationInfo) -> tuple[int, ...]:
+    if not isinstance(value, list | tuple) or not all(type(item) is int for item in value):
+        raise fail(f"must be a list of numbers of vertices, got {shown(value)}")
+    return tuple(value)
+
+
+def _faces(value: Any, info: ValidationInfo) -> tuple[tuple[int, ...], ...]:
+    if not isinstance(value, list | tuple):
+        raise fail(f"must be a list of faces, each a list of numbers of vertices, got {shown(value)}")
+    return tuple(within(i, _chain, item, info) for i, item in enumerate(value))
+
+
+def _corners(value: Any, info: ValidationInfo) -> Points:
+    return _points(value, info, 4)
+
+
+class Polyhedron(Kind):
+    """Polyhedron by its vertices and plane faces, lists of numbers of vertices (from 0) in order."""
+
+    dimension = 3
+    vertices: Annotated[
+        Points,
+        BeforeValidator(_corners),
+        WithJsonSchema({"type": "array", "items": {"type": "array"}, "minItems": 4}),
+    ]
+    faces: Annotated[
+        tuple[tuple[int, ...], ...],
+        BeforeValidator(_faces),
+        WithJsonSchema(
+            {"type": "array", "items": {"type": "array", "items": {"type": "integer"}}, "minItems": 4}
+        ),
+    ]

@@ -37,7 +37,7 @@ from rfm.app.schema.derived import (
     Sweep,
 )
 from rfm.app.schema.kind import Kind
-from rfm.app.schema.outlines import Outline, Polygon
+from rfm.app.schema.outlines import Outline, Polygon, Polyhedron
 from rfm.app.schema.primitives import (
     Ball,
     Box,
@@ -151,6 +151,7 @@ class ShapeSpec(Strict):
     cylinder: Cylinder | None = None
     cone: Cone | None = None
     torus: Torus | None = None
+    polyhedron: Polyhedron | None = None
     interval: Interval | None = None
     curve: Curve | None = None
     function: Function | None = None
