@@ -46,11 +46,6 @@ class Fold(Mapping):
         """Of the shape."""
         return len(self.unit)
 
-    @property
-    def isometric(self) -> bool:
-        """Not for a series; the exact wave is exempt at its kinks only, which is not enough either."""
-        return False
-
     def back(self, *coords: Value) -> tuple[Value, ...]:
         """Folded point."""
         along = plane(self.unit, self.middle)(*coords)

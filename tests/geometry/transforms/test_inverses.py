@@ -104,9 +104,8 @@ def test_maps_work_on_a_device() -> None:
     jnp = pytest.importorskip("jax.numpy")
     x = np.random.default_rng(5).uniform(-1, 1, (3, 50))
     solids = [
-        twist(g.box((-0.5, -0.2, 0), (0.5, 0.2, 1)), 1.0),
-        extrude(cyclic(PETAL, 5, by="wave"), (0.1, 0.2, 0.5)),
-        repeat(g.ball((0, 0, 0), 0.2), (0.5, 0, 0), 3, "wave"),
+        twist(g.half_space((0, 0, 0), (0, 1, 0)), 1.0),
+        extrude(cyclic(g.disk((0.8, 0.0), 0.3), 5, by="wave"), (0.1, 0.2, 0.5)),
     ]
     for solid in solids:
         np.testing.assert_allclose(
