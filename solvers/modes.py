@@ -11,11 +11,12 @@ from typing import Protocol
 
 from rfm.errors import DiscretizationError
 from solvers.background import Background
-from solvers.exact_mode import Exact
+from solvers.exact_mode import Exact, collar_points
 from solvers.grid import Grid
+from solvers.piece_ends import regions_at_ends
 from solvers.problem import Discretization, Problem
 from solvers.seams import seamless_structure
-from solvers.setting import Region, Setting, Structure
+from solvers.setting import Setting, Structure
 
 
 class Mode(Protocol):
@@ -47,9 +48,10 @@ class Natural:
         return seamless_structure(problem, discretization, grid)
 
     def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
-        """One space for all components, one region."""
+        """One space for all components; one region, apart from the ends of pieces."""
         structure = self.structure(problem, discretization, background.grid)
-        return Setting(structure, (background.space,) * len(structure), (Region(structure, background),))
+        regions = regions_at_ends(problem, structure, background, collar_points(discretization.degree))
+        return Setting(structure, (background.space,) * len(structure), regions)
 
 
 MODES: dict[str, Mode] = {"natural": Natural(), "exact": Exact()}
