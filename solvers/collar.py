@@ -26,6 +26,8 @@ from solvers.quadrature.tensor import inner_rule
 from solvers.web import INNER, SplineSpace
 
 Mask = NDArray[np.bool_]
+CORNER_SLACK = 1.6
+"""How far from a corner cells are cut towards it, in half diagonals of a cell."""
 
 
 def half_diagonal(grid: Grid) -> float:
@@ -118,7 +120,7 @@ def rows_of(batch: TensorBatch, chosen: Mask) -> TensorBatch:
 
 
 def corner_cells(
-    grid: Grid, cells: Integers, pairs: Sequence[tuple[Field, Field]], slack: float = 1.6
+    grid: Grid, cells: Integers, pairs: Sequence[tuple[Field, Field]], slack: float = CORNER_SLACK
 ) -> Mask:
     """Which of the cells (n, d) may hold a common zero of one of the pairs of functions, or lie beside it."""
     radius = slack * half_diagonal(grid)

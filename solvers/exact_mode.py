@@ -13,17 +13,21 @@ from itertools import combinations
 import numpy as np
 
 from solvers.background import Background
-from solvers.collar import collar_space, corner_cells, only_volume, split, split_off, within
+from solvers.collar import CORNER_SLACK, collar_space, corner_cells, only_volume, split, split_off, within
 from solvers.corner_rules import corner_rule
 from solvers.cross_assembly import used_cells
 from solvers.flux_collars import REACH, VANISHED, Collar, collared, collars_of
 from solvers.flux_conditions import boundary_pieces, has_flux
 from solvers.grid import Grid
+from solvers.piece_ends import cut_at_ends
 from solvers.problem import Discretization, Problem
 from solvers.seams import seamless_structure
 from solvers.setting import Region, Setting, Structure
 from solvers.web import SplineSpace
 from structures.contact import meeting_points
+
+END_SLACK = 2.5
+"""How far from the end of a piece cells are cut, in half diagonals; CORNER_SLACK costs up to ten times the error."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class Exact:
         if not collars:
             return Setting(essential, main, (Region(essential, background),))
         structure = collared(essential, collars)
+        background = cut_at_ends(problem, background, collar_points(degree))
         spaces = [
             collar_space(background, discretization.basis, degree - 1, c.site.w, REACH * c.length)
             for c in collars
@@ -91,7 +96,9 @@ def regions(
     if not pairs:
         return Region(essential, far), Region(structure, collar)
     at_corners = np.zeros_like(near)
-    at_corners[tuple(cells[corner_cells(grid, cells, pairs)].T)] = True
+    # at the ends of pieces the windows are those of trimmed functions, which are steep farther out
+    slack = END_SLACK if any(c.own is not c.site.w for c in collars) else CORNER_SLACK
+    at_corners[tuple(cells[corner_cells(grid, cells, pairs, slack)].T)] = True
     rest, corners = split_off(collar, at_corners)
     graded = only_volume(collar, corner_rule(problem.domain, grid, corners, pairs, points))
     return Region(essential, far), Region(structure, rest), Region(structure, graded)

@@ -13,7 +13,7 @@ from rfm.errors import DiscretizationError
 from solvers.background import Background
 from solvers.exact_mode import Exact, collar_points
 from solvers.grid import Grid
-from solvers.piece_ends import regions_at_ends
+from solvers.piece_ends import cut_at_ends, regions_at_ends
 from solvers.problem import Discretization, Problem
 from solvers.seams import seamless_structure
 from solvers.setting import Setting, Structure
@@ -50,7 +50,8 @@ class Natural:
     def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
         """One space for all components; one region, apart from the ends of pieces."""
         structure = self.structure(problem, discretization, background.grid)
-        regions = regions_at_ends(problem, structure, background, collar_points(discretization.degree))
+        points = collar_points(discretization.degree)
+        regions = regions_at_ends(problem, structure, cut_at_ends(problem, background, points), points)
         return Setting(structure, (background.space,) * len(structure), regions)
 
 
