@@ -1,4 +1,4 @@
-"""Conditions that end in the middle of a smooth surface: the order of the splines wherever the end falls in its cell."""
+"""Conditions that end in the middle of a smooth surface: the order of the splines, wherever the end is in its cell."""
 
 from __future__ import annotations
 
