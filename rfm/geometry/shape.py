@@ -77,7 +77,7 @@ class Shape:
         """
         return Membership(self.expression, self.system)
 
-    @property
+    @cached_property
     def sign(self) -> Field:
         """Minimum and maximum of the surface functions whatever the systems: the exact sign decides."""
         return Membership(self.expression.plain(), MINIMUM)

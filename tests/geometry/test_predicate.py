@@ -226,6 +226,15 @@ def test_reports(domain: g.Shape, system: str, degree: int, kept: int, acting: l
     assert report.guaranteed is (degree == 1 and kept >= 1)
 
 
+def test_report_beyond_what_can_be_tried_errs_on_the_safe_side() -> None:
+    angles = np.linspace(0, 2 * np.pi, 20, endpoint=False)
+    wheel = g.polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1)).named("p")
+    assert wheel.report("r0").guaranteed
+    report = (wheel ^ g.disk((1, 0), 0.5).named("d")).report("r0")
+    assert not report.guaranteed
+    assert report.lines()[1].endswith(" more")
+
+
 def test_report_says_where_the_function_vanishes_too_often() -> None:
     report = ((DISK | OVAL) & (~DISK | OVAL)).report("r0")
     assert [item.name for item in report.occurrences if item.spurious] == ["a"]

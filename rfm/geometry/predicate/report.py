@@ -42,6 +42,9 @@ from rfm.geometry.surface import Surface
 MOST_SURFACES = 14
 """Up to so many surfaces beside a repeated one all signs are tried; beyond, every mention counts."""
 
+SHOWN = 5
+"""Surfaces that a line of the report names."""
+
 
 @dataclass(frozen=True)
 class Occurrence:
@@ -96,7 +99,7 @@ class NormalisationReport:
         surfaces = f"{count} surface{'s' if count > 1 else ''}"
         operations = f"{self.operations} R-function{'s' if self.operations != 1 else ''}"
         lines = [f"{operations} of {surfaces}, inversion degree {self.inversion_degree}"]
-        acting = [item.name or "unnamed" for item in self.occurrences if item.degree > 1]
+        acting = _listed([item for item in self.occurrences if item.degree > 1])
         kept = "every order" if self.kept == inf else f"order {self.kept:g}"
         if acting:
             lines.append(
@@ -106,9 +109,9 @@ class NormalisationReport:
             lines.append("Theorem 4 does not apply: the system does not keep the slope")
         else:
             lines.append(f"Theorem 4 keeps {kept}; the primitives are normalised to order {self.primitives}")
-        spurious = [item.name or "unnamed" for item in self.occurrences if item.spurious]
+        spurious = _listed([item for item in self.occurrences if item.spurious])
         if spurious:
-            lines.append(f"the function may vanish off the boundary too, on: {', '.join(spurious)}")
+            lines.append(f"the function may vanish off the boundary too, on: {spurious}")
         return lines
 
 
@@ -195,6 +198,13 @@ class Substituted:
         """Value at the coordinates; every field is evaluated once."""
         values = {s: field(*coords) for s, field in self.fields}
         return self.expression.composed(values, self.system, coords)
+
+
+def _listed(occurrences: list[Occurrence]) -> str:
+    """Names, the first few of many."""
+    names = [item.name or "unnamed" for item in occurrences]
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
 
 
 def _primitive(surface: Surface, dim: int, order: int) -> Field:
