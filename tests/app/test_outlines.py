@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import rfm
 from rfm.app.build import build_domain
 from rfm.app.case import load_case
 from rfm.errors import CaseError
@@ -95,3 +97,18 @@ def test_errors_have_a_place(kind: str, arguments: dict[str, Any], message: str)
     with pytest.raises(CaseError) as caught:
         build_domain(load_case(case(kind, arguments)))
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "degree", "grids"), [("corners/notched_bar", 3, (24, 96)), ("three_d/dented_cube", 2, (4, 8))]
+)
+def test_order(path: str, degree: int, grids: tuple[int, int]) -> None:
+    file = Path(__file__).parents[2] / "cases" / f"{path}.yaml"
+    errors = [
+        rfm.solve(file, set={"discretization.degree": degree, "discretization.grid": grid}).summary[
+            "relative_l2_error"
+        ]
+        for grid in grids
+    ]
+    rate = np.log(errors[0] / errors[1]) / np.log(grids[1] / grids[0])
+    assert rate == pytest.approx(degree + 1, abs=0.2)
