@@ -4,6 +4,7 @@
 ``extend`` (boundary data carried inward); see docs/geometry.md.
 """
 
+from rfm.geometry.boundaries.curve import curve
 from rfm.geometry.box import Box
 from rfm.geometry.distance import distance
 from rfm.geometry.extension import extend
@@ -32,6 +33,7 @@ __all__ = [
     "ball",
     "box",
     "cone",
+    "curve",
     "cylinder",
     "disk",
     "distance",

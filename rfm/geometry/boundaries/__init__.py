@@ -12,6 +12,7 @@ from rfm.geometry.boundaries.points import points
 from rfm.geometry.boundaries.segments import polyline, segment
 from rfm.geometry.boundaries.signed import Signed, signed
 from rfm.geometry.boundaries.solid_angle import signed_surface
+from rfm.geometry.boundaries.surface_files import read_surface
 from rfm.geometry.boundaries.triangles import surface, triangle
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "mixed_set",
     "points",
     "polyline",
+    "read_surface",
     "segment",
     "signed",
     "signed_surface",
