@@ -146,7 +146,7 @@ def test_refused(build: object, message: str) -> None:
 
 def test_registry_has_every_kind() -> None:
     assert set(g.KINDS) == {
-        *("half_plane", "disk", "ellipse", "rectangle", "strip", "polygon", "curve", "function"),
+        *("half_plane", "disk", "ellipse", "rectangle", "strip", "polygon", "outline", "curve", "function"),
         "interval",
-        *("half_space", "ball", "ellipsoid", "box", "slab", "cylinder", "cone", "torus"),
+        *("half_space", "ball", "ellipsoid", "box", "slab", "cylinder", "cone", "torus", "polyhedron"),
     }
