@@ -102,9 +102,7 @@ class NormalisationReport:
         acting = _listed([item for item in self.occurrences if item.degree > 1])
         kept = "every order" if self.kept == inf else f"order {self.kept:g}"
         if acting:
-            lines.append(
-                f"Theorem 4 does not apply: mentioned more than once at a point: {', '.join(acting)}"
-            )
+            lines.append(f"Theorem 4 does not apply: mentioned more than once at a point: {acting}")
         elif self.kept < 1:
             lines.append("Theorem 4 does not apply: the system does not keep the slope")
         else:
