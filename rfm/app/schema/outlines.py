@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from rfm.app.schema.base import Strict
 from rfm.app.schema.kind import Kind
@@ -77,7 +77,7 @@ class Outline(Kind):
         BeforeValidator(_ends),
         WithJsonSchema({"type": "array", "items": {"type": "array"}, "minItems": 2}),
     ]
-    arcs: dict[str, Arc]
+    arcs: dict[str, Arc] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _edges_exist(self) -> Outline:
