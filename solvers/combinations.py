@@ -17,7 +17,7 @@ from solvers.equations.elasticity import Elasticity
 from solvers.equations.equation import Equation
 from solvers.equations.plate import Plate
 from solvers.equations.poisson import Poisson
-from solvers.flux_conditions import has_flux, site_of
+from solvers.flux_conditions import derivatives, has_flux, site_of
 from solvers.method import Method, least_degree
 from solvers.methods import METHODS
 from solvers.problem import (
@@ -76,7 +76,8 @@ def _page() -> Iterator[str]:
     yield ""
     yield from table(("basis", *BASIS_COLUMNS), basis_rows())
     yield ""
-    yield "`conditions: exact` with a flux condition needs one degree more, and a basis of splines. Where the functions"
+    yield "`conditions: exact` needs as many degrees more as stated with the conditions below, and a basis of splines"
+    yield "where there is something else than values. Where the functions"
     yield "of a basis depend on each other to rounding, least squares and collocation solve their rows by a QR"
     yield "factorisation and keep all digits; an energy keeps half of them."
     yield ""
@@ -137,16 +138,22 @@ def basis_rows() -> Iterator[Sequence[str]]:
 def condition_rows() -> Iterator[Sequence[str]]:
     """How each condition of each equation is carried in both modes."""
     for name, equation in EQUATIONS.items():
+        vector = equation.components(DOMAIN.dimension) > 1
         for condition in samples(DOMAIN.part("all")):
-            if isinstance(condition, (*equation.conditions, Periodic)):
+            some = isinstance(condition, Dirichlet) and has_flux(condition)
+            if (vector or not some) and isinstance(condition, (*equation.conditions, Periodic)):
                 natural = "functional" if has_flux(condition) else "structure"
                 kind = type(condition).__name__
-                yield name, kind, PARTLY.get(kind, natural), _carried(equation, condition)
+                if some:
+                    kind = "Dirichlet, some components"
+                refusing = _refusing(equation, condition)
+                yield name, kind, PARTLY.get(kind, natural) + refusing, _carried(equation, condition)
 
 
 PARTLY = {
     "SimplySupported": "deflection by structure, moment by functional",
-    "Slip": "structure",
+    "Dirichlet, some components": "structure, no traction in the others by functional",
+    "Slip": "structure, tangential traction by functional",
     "Periodic": "structure, periodic splines",
 }
 """Conditions of which the structure carries a part in natural mode."""
@@ -156,6 +163,7 @@ def samples(part: Part) -> tuple[Condition, ...]:
     """One condition of each kind."""
     return (
         Dirichlet(part),
+        Dirichlet(part, (0.0, None)),
         Neumann(part),
         Robin(part),
         Oblique(part, (1.0, 1.0)),
@@ -169,6 +177,17 @@ def samples(part: Part) -> tuple[Condition, ...]:
     )
 
 
+def _refusing(equation: Equation, condition: Condition) -> str:
+    """Name the methods that refuse a problem because of a condition."""
+    names = [
+        name
+        for name, method in METHODS.items()
+        if method.refusal(Problem(DOMAIN, equation, (condition,)))
+        and not method.refusal(Problem(DOMAIN, equation, ()))
+    ]
+    return f"; not by {', '.join(names)}" if names else ""
+
+
 def _carried(equation: Equation, condition: Condition) -> str:
     """Whether there is an exact structure: it is made, on a disk."""
     if isinstance(condition, Periodic):
@@ -180,7 +199,7 @@ def _carried(equation: Equation, condition: Condition) -> str:
         site_of(problem, condition, field(distance(DOMAIN, condition.part)))
     except DiscretizationError:
         return "no: use `conditions: natural`"
-    return "structure"
+    return f"structure, degree + {derivatives(problem)}"
 
 
 def structure_rows() -> Iterator[Sequence[str]]:

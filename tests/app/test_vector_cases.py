@@ -159,6 +159,19 @@ def test_every_kind_of_condition_belongs_to_an_equation():
     assert set(KINDS_OF) == {"poisson", "elasticity", "plate"}
 
 
+def test_a_free_edge_by_structure_needs_degree_five():
+    case = {
+        **PLATE,
+        "discretization": {"degree": 4, "grid": 12},
+        "solver": {"conditions": "exact"},
+        "boundary_conditions": [{"on": "all", "free": True}],
+    }
+    with pytest.raises(
+        CaseError, match=r"discretization\.degree: .*order 5 of the spline: use degree 5 or more .* got 4"
+    ):
+        rfm.solve(case)
+
+
 def test_a_body_is_solved_stored_and_loaded(tmp_path):
     exact = ["0.1*x*(1+y)", "0.2*y*x"]
     case = changed(
