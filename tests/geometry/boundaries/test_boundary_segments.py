@@ -20,7 +20,7 @@ from hypothesis.extra.numpy import arrays
 
 from rfm.calculus import partials
 from rfm.errors import GeometryError
-from rfm.geometry.boundaries import polyline, segment
+from rfm.geometry.boundaries import bezier, polyline, segment
 
 ZIGZAG = np.array([[0.0, 0.0], [2.0, 0.5], [1.5, 1.5], [3.0, 1.0]])
 SPACE = np.array([[0.0, 0.0, 0.0], [2.0, 0.5, 1.0], [1.5, 1.5, -1.0]])
@@ -98,6 +98,15 @@ def test_any_shape_of_points():
     assert values.shape == x.shape
     assert values[7, 9] == pytest.approx(float(w(x[7, 9], y[7, 9])), rel=1e-14)
     np.testing.assert_allclose(w(x, 0.3), w(x, np.full_like(x, 0.3)), rtol=1e-14)
+
+
+def test_jax_arrays():
+    import jax
+
+    w = polyline(ZIGZAG) | bezier([(0, 0), (0, 2), (2, 2), (2, 0)])
+    x, y = np.linspace(-0.3, 1.3, 7), np.linspace(0.2, 0.9, 7)
+    values = jax.jit(w)(jax.numpy.asarray(x), jax.numpy.asarray(y))
+    np.testing.assert_allclose(values, w(x, y), rtol=1e-5)
 
 
 @settings(max_examples=40)
