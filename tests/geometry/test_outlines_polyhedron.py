@@ -134,6 +134,18 @@ def test_convex_hulls(count: int, seed: int) -> None:
     assert len(shape.expression.literals()) == len(faces)
 
 
+@pytest.mark.slow
+def test_the_sides_of_a_cube_with_six_dents_help_to_find_its_expression() -> None:
+    points, faces = [*CUBE], []
+    for side in [*SIDES, [4, 5, 6, 7]]:
+        middle = np.mean([CUBE[k] for k in side], axis=0)
+        points.append(tuple((middle - 0.6 * (middle - 1)).tolist()))
+        faces += [[side[i], side[(i + 1) % 4], len(points) - 1] for i in range(4)]
+    shape = check((points, faces))
+    assert not any(surface.auxiliary for surface in shape.surfaces)
+    assert len(shape.expression.literals()) == len(shape.surfaces) == len(shape.parts) == 24
+
+
 def test_faces_in_one_plane_are_pieces_of_it() -> None:
     shape = g.polyhedron(*prism(U_SHAPE)).named("u")
     (surface,) = (surface for surface in shape.surfaces if surface.pieces)

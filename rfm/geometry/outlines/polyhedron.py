@@ -3,7 +3,8 @@
 The planes of the faces alone separate a polyhedron: it is a union of cells of their arrangement.  A convex one
 is the intersection of its half-spaces.  Otherwise the expression is found from the signs of the planes
 on all flats of the arrangement (``synthesis``): faces of the hull are intersected, faces of pockets united, every
-plane once where that is possible; not every polyhedron has such an expression.
+plane once where that is possible; not every polyhedron has such an expression.  Where it is not found, the
+planes of the convex hull that carry no face are tried as separators; they may lead to an expression without them.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from rfm.calculus.r_systems import R0
 from rfm.calculus.types import Array, Field
 from rfm.errors import GeometryError
 from rfm.geometry import support
-from rfm.geometry.carriers import plane
+from rfm.geometry.carriers import Plane, plane
 from rfm.geometry.expression import Expression, Literal, conjunction
 from rfm.geometry.outlines.chains import tree_of_chains
 from rfm.geometry.outlines.faces import FLAT, Solid, checked_solid
@@ -61,9 +62,42 @@ def polyhedron(vertices: Sequence[Sequence[float]] | Array, faces: Sequence[Sequ
             f"a polyhedron that is not convex may have {MOST_PLANES} planes, got {len(surfaces)}; divide it"
         )
     expression = synthesised(_table(solid, surfaces, normals, offsets))
+    if expression is None or len(expression.literals()) > len(surfaces):
+        # the planes of the hull, where they carry no face, may be worth having as separators
+        lids = _lids(solid, normals, offsets)
+        if lids and len(surfaces) + len(lids) <= MOST_PLANES:
+            more = (
+                *surfaces,
+                *(Surface(("separator",), lid, degree=1, normalised=True, auxiliary=True) for lid in lids),
+            )
+            rows = np.concatenate([normals, [lid.normal for lid in lids]])
+            separated = synthesised(
+                _table(solid, more, rows, np.append(offsets, [lid.offset for lid in lids]))
+            )
+            found = [one for one in (expression, separated) if one is not None]
+            expression = min(found, key=lambda one: len(one.literals()), default=None)
     if expression is None:
         raise GeometryError("found no expression of the polyhedron that is zero on it only; divide it")
     return Shape(3, expression, reach)
+
+
+def _separator(lid: Plane) -> Surface:
+    return Surface(("separator",), lid, degree=1, normalised=True, auxiliary=True)
+
+
+def _lids(solid: Solid, normals: Array, offsets: Array) -> list[Plane]:
+    """Planes of the convex hull, positive inside, that carry no face."""
+    from scipy.spatial import ConvexHull
+
+    equations = -ConvexHull(solid.vertices).equations
+    _, first = np.unique(np.round(equations, 8), axis=0, return_index=True)
+    lids = []
+    for *normal, shift in equations[np.sort(first)]:
+        same = np.abs(np.cross(normals, normal)).max(axis=1) <= FLAT
+        level = np.sign(normals @ normal) * offsets + shift
+        if not (same & (np.abs(level) <= FLAT * solid.extent)).any():
+            lids.append(plane(np.array(normal), -float(shift)))
+    return lids
 
 
 def _planes(solid: Solid) -> tuple[tuple[Surface, ...], Array, Array]:
