@@ -56,6 +56,7 @@ def prepare(
     discretization: Discretization,
     watch: Stopwatch,
     wraps: Mapping[int, float] = MappingProxyType({}),
+    grid: Grid | None = None,
 ) -> Background:
     """Classify the cells, integrate the cut ones and build the space.
 
@@ -65,6 +66,8 @@ def prepare(
         What to discretise and how.
     wraps
         Axes along which the grid covers one period of the splines, with their factors.
+    grid
+        A grid to share; that of the discretisation when absent.
 
     Raises
     ------
@@ -76,7 +79,7 @@ def prepare(
     degree, chosen = discretization.degree, basis(discretization.basis)
     chosen.require(degree, domain.dimension)
     with watch.phase("geometry"):
-        grid = background_grid(domain, discretization)
+        grid = grid or background_grid(domain, discretization)
         classification = classify(domain, grid)
     with watch.phase("quadrature"):
         points = chosen.points(degree, int(max(grid.cells)))

@@ -46,11 +46,12 @@ class Collocation(StrongResiduals):
 
     def system(self, assembly: Assembly, watch: Stopwatch) -> RowsSystem:
         """Rows at the points of the domain and of its boundary."""
-        problem = assembly.problem
         rows = RowAssembler(assembly.assembler.spaces)
         degree, full = assembly.assembler.spaces[0].degree, len(assembly.background.rules.inner.nodes)
-        count = self.points or min(max(2, degree - 1), full)
+        few = full if assembly.problem.inclusions else min(max(2, degree - 1), full)  # twice as many unknowns
+        count = self.points or few
         for part in assembly.parts():
+            problem = part.problem
             finer = len(part.background.rules.inner.nodes)  # of a collar, whose integrands are steep
             for batch in point_batches(part.background, count if finer == full else finer):
                 coords = batch.points(part.background.grid)

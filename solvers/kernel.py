@@ -25,7 +25,7 @@ from solvers.exact import exact_jet
 from solvers.norms import norm_batches
 from solvers.periodicity import periods_of
 from solvers.problem import Oblique, Problem, Robin, Slip
-from solvers.solution import Trial
+from solvers.solution import Piece
 
 TOLERANCE = 1e-6
 """Relative size of a load on a free motion that counts as imbalance."""
@@ -121,6 +121,8 @@ def free_motions(problem: Problem) -> list[Motion]:
     """Motions of the equation that no condition of the problem sees; slip is not looked at."""
     dimension = problem.domain.dimension
     motions = problem.equation.motions(dimension)
+    if any(len(i.equation.motions(dimension)) < len(motions) for i in problem.inclusions):
+        return []
     robin = [c.coefficient for c in problem.conditions if isinstance(c, Robin | Oblique)]
     if any(callable(h) or float(h) != 0.0 for h in robin):
         return []
@@ -185,15 +187,18 @@ def affine(space: Space, shift: float, slope: Array) -> Array:
     return unknowns
 
 
-def excess(problem: Problem, trial: Trial, background: Background, kernel: Kernel) -> Array:
+def excess(pieces: Sequence[Piece], kernel: Kernel) -> Array:
     """Amounts (k,) of the free motions to take off, so that u (or u - exact) becomes orthogonal to them."""
     count = len(kernel.motions)
     gram, right = np.zeros((count, count)), np.zeros(count)
-    for batch in norm_batches(background, trial.degree):
-        coords = batch.points(background.grid)
-        field = trial.jet(batch, 0)
-        if problem.exact is not None:
-            field = field - exact_jet(problem.exact, coords, 0)
+    batches = (
+        (piece, batch) for piece in pieces for batch in norm_batches(piece.background, piece.trial.degree)
+    )
+    for piece, batch in batches:
+        coords = batch.points(piece.background.grid)
+        field = piece.trial.jet(batch, 0)
+        if piece.problem.exact is not None:
+            field = field - exact_jet(piece.problem.exact, coords, 0)
         field = np.where(batch.weights != 0, field, 0.0)
         modes = np.stack([motion.values(coords) for motion in kernel.motions])
         gram += np.einsum("acnq,bcnq,nq->ab", modes, modes, batch.weights)

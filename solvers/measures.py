@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from rfm.calculus.types import Array
-from solvers.background import Background
 from solvers.boundary import boundary_batches, natural_density, outward
 from solvers.equations.density import QuadraticDensity
 from solvers.exact import exact_jet
 from solvers.norms import ErrorNorms, ErrorSums, norm_batches
-from solvers.problem import Problem
-from solvers.solution import Trial
+from solvers.solution import Piece
 
 
 @dataclass(frozen=True)
@@ -25,11 +24,31 @@ class Measures:
     energy: float
 
 
-def measure(problem: Problem, trial: Trial, background: Background) -> Measures:
-    """Error norms and energy (of the domain and the natural boundary conditions) in one pass over the domain."""
+def measure(pieces: Sequence[Piece]) -> Measures:
+    """Error norms and energy (of the domain and the natural boundary conditions) in one pass over the pieces of a solution.
+
+    Raises
+    ------
+    ValueError
+        There is no piece.
+    """
+    if not pieces:
+        raise ValueError("a solution has a piece")
+    first = pieces[0].problem
+    sums = ErrorSums(first.equation.components(first.domain.dimension))
+    energies = np.sum([_add(piece, sums) for piece in pieces], axis=0)
+    total, lost, size = (float(energy) for energy in energies)
+    if first.exact is None:
+        return Measures(None, None, total)
+    return Measures(sums.norms(), float(np.sqrt(abs(lost) / (abs(size) or 1.0))), total)
+
+
+def _add(piece: Piece, sums: ErrorSums) -> tuple[float, float, float]:
+    """Add the errors of a piece; return its energy, and those of the error and of the exact solution."""
+    problem, trial, background = piece.problem, piece.trial, piece.background
     equation, exact = problem.equation, problem.exact
     components = equation.components(background.grid.dimension)
-    sums, total, lost, size = ErrorSums(components), 0.0, 0.0, 0.0
+    total = lost = size = 0.0
     order = max(1, equation.order)
     for batch in norm_batches(background, trial.degree):
         coords = batch.points(background.grid)
@@ -48,9 +67,7 @@ def measure(problem: Problem, trial: Trial, background: Background) -> Measures:
         natural = natural_density(problem, condition, batch.points(background.grid), outward(batch))
         if natural is not None and natural.symmetric:  # an oblique derivative has no energy
             total += integral(density_values(natural, trial.jet(batch, order - 1)), batch.weights)
-    if exact is None:
-        return Measures(None, None, total)
-    return Measures(sums.norms(), float(np.sqrt(abs(lost) / (abs(size) or 1.0))), total)
+    return total, lost, size
 
 
 def integral(values: Array, weights: Array) -> float:

@@ -9,7 +9,7 @@ solution happens to be better than elsewhere do not flatter it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ from solvers.periodicity import periods_of
 from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
-from solvers.solution import Trial
+from solvers.solution import Piece, Trial
 
 CHUNK = 150_000
 
@@ -134,4 +134,13 @@ def boundary_errors(problem: Problem, trial: Trial, background: Background) -> d
         here, there = (trial.at(p, problem.equation.flux_order) for p in (points, period.moved(points)))
         gap = float(np.abs(there - period.factor * here).max(initial=0.0))
         errors[periodic.part.name] = max(errors.get(periodic.part.name, 0.0), gap)
+    return errors
+
+
+def all_boundary_errors(pieces: Sequence[Piece]) -> dict[str, float]:
+    """Largest residuals on the boundary of a solution and on its interfaces, by the name of the part."""
+    errors: dict[str, float] = {}
+    for piece in pieces:
+        for name, value in boundary_errors(piece.problem, piece.trial, piece.background).items():
+            errors[name] = max(errors.get(name, 0.0), value)
     return errors

@@ -19,15 +19,16 @@ from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
 from solvers.linear.system import Indefinite
+from solvers.materials import materials_setting
 from solvers.method import Method, require
 from solvers.modes import mode_of
 from solvers.periodicity import fitted, periods_of, wraps_of
 from solvers.posed import require_posed
 from solvers.problem import Discretization, Problem, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
-from solvers.setting import Region
+from solvers.setting import Region, Setting
 from solvers.smoothness import rough_cells
-from solvers.solution import Solution, Trial
+from solvers.solution import Piece, Solution, Trial
 from solvers.stopwatch import Listener, Stopwatch
 from solvers.systems import EnergySystem
 from solvers.threads import on_one_thread
@@ -41,6 +42,8 @@ UNFITTED = (
     "moment fitting was turned off: with negative weights in cut cells the matrix was not positive definite; a finer "
     "grid or a lower degree is faster"
 )
+PIVOTED = 6000
+"""Unknowns up to which fields of several materials, which nearly depend on each other, get a factorisation that picks."""
 
 
 @on_one_thread
@@ -87,21 +90,37 @@ def _solved(
     prepared = mode.quadrature(problem, fitted(discretization, problem.domain, periods))
     background = prepare(problem.domain, prepared, watch, wraps_of(periods))
     with watch.phase("assembly"):
-        setting = mode.setting(problem, discretization, background)
+        setting = (materials_setting if problem.inclusions else mode.setting)(
+            problem, discretization, background
+        )
         assembler = BlockAssembler(setting.spaces, method.symmetric(problem))
         assembly = Assembly(assembler, problem, method, setting.structure, background, setting.regions)
         system = method.system(assembly, watch)
     with watch.phase("solve"):
         kernel = kernel_of(problem, background, setting.spaces)
+        options = assembler.options(options)
+        if setting.sides and sum(space.n_dofs for space in setting.spaces) <= PIVOTED:
+            options = replace(options, redundant=True)
         if setting.overlapping and kernel is None and isinstance(system, EnergySystem):
-            linear = system.solve_reporting(assembler.options(options), problem.domain.dimension)
+            linear = system.solve_reporting(options, problem.domain.dimension)
         else:
-            linear = system.solve(assembler.options(options), kernel)
-        trial = Trial(setting.structure, assembler.functions(linear.x))
+            linear = system.solve(options, kernel)
+        trial = Trial(setting.structure, assembler.functions(linear.x), setting.sides)
         if kernel is not None:
-            fixed = linear.x - kernel.vectors @ excess(problem, trial, background, kernel)
-            trial = Trial(setting.structure, assembler.functions(fixed))
-    return Solution(problem, discretization, background, trial, linear, watch.seconds)
+            pieces = pieces_of(problem, trial, background, setting)
+            fixed = linear.x - kernel.vectors @ excess(pieces, kernel)
+            trial = replace(trial, splines=assembler.functions(fixed))
+    pieces = pieces_of(problem, trial, background, setting)
+    return Solution(problem, discretization, background, trial, linear, watch.seconds, pieces)
+
+
+def pieces_of(problem: Problem, trial: Trial, background: Background, setting: Setting) -> tuple[Piece, ...]:
+    """The materials of a solution and their interfaces."""
+    if not setting.sides:
+        return (Piece(problem, trial, background),)
+    return tuple(
+        Piece(r.problem or problem, trial.within(r.structure), r.background) for r in setting.regions
+    )
 
 
 @dataclass(frozen=True)
@@ -125,7 +144,16 @@ class Assembly:
     def parts(self) -> list[Assembly]:
         """Return the same for each region."""
         regions = self.regions or (Region(self.structure, self.background),)
-        return [replace(self, structure=r.structure, background=r.background, regions=()) for r in regions]
+        return [
+            replace(
+                self,
+                problem=r.problem or self.problem,
+                structure=r.structure,
+                background=r.background,
+                regions=(),
+            )
+            for r in regions
+        ]
 
     def add_region(self, watch: Stopwatch) -> None:
         """Add the functional over the rules of the background."""

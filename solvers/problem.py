@@ -163,6 +163,42 @@ class Periodic:
     shift: tuple[float, ...] | None = None
 
 
+@dataclass(frozen=True)
+class FluxJump:
+    """``F_1 u_1 . n - F_2 u_2 . n = value`` on the interface ``part``, n out of the inclusion 1: natural."""
+
+    part: Part
+    value: VectorDatum = 0.0
+
+
+@dataclass(frozen=True)
+class Inclusion:
+    """A part of the domain with another material.
+
+    Attributes
+    ----------
+    name
+        For messages and results.
+    region
+        Where it is: the part of the domain in this shape.
+    equation
+        Its equation, of the kind of that of the problem.
+    jump
+        u of the inclusion minus u of the matrix on the interface; of a vector one for each component.
+    flux_jump
+        Flux of the inclusion minus that of the matrix on the interface, along the normal out of the inclusion.
+    exact
+        The exact solution in it.
+    """
+
+    name: str
+    region: Shape
+    equation: Equation
+    jump: VectorDatum = 0.0
+    flux_jump: VectorDatum = 0.0
+    exact: Exact | None = None
+
+
 Condition = (
     Dirichlet
     | Neumann
@@ -175,17 +211,22 @@ Condition = (
     | SimplySupported
     | Free
     | Periodic
+    | FluxJump
 )
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A domain, an equation on it, conditions on its boundary and, if known, the exact solution."""
+    """A domain, an equation on it, conditions on its boundary and, if known, the exact solution.
+
+    With `inclusions` equation and exact solution are those of the rest of the domain, the matrix.
+    """
 
     domain: Shape
     equation: Equation
     conditions: tuple[Condition, ...]
     exact: Exact | None = None
+    inclusions: tuple[Inclusion, ...] = ()
 
     @property
     def oblique(self) -> bool:

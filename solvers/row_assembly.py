@@ -154,8 +154,9 @@ def table_of(
 def assemble_rows(assembly: Assembly) -> Overdetermined:
     """Rows of a method that squares residuals, at the points of the positive rules of domain and boundary."""
     rows = RowAssembler(assembly.assembler.spaces)
-    problem, method = assembly.problem, assembly.method
+    method = assembly.method
     for part in assembly.parts():
+        problem = part.problem
         for batch in positive_batches(part.background):
             coords = batch.points(part.background.grid)
             jet = stacked(part.structure, coords, method.order(problem))

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from solvers.background import Background
 from solvers.bases.basis import Space
+from solvers.problem import Problem
 from structures.operator import Operator
+
+if TYPE_CHECKING:
+    from solvers.materials import Side
 
 Structure = tuple[Operator, ...]
 
@@ -17,6 +22,8 @@ class Region:
 
     structure: Structure
     background: Background
+    problem: Problem | None = None
+    """The problem as it is there, where the material is another."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +38,14 @@ class Setting:
         One space for each spline; the first are those of the components, that of the background.
     regions
         Their cells and boundary rules together are those of the domain.
+    sides
+        The inclusions, where there are several materials; the regions are the materials and their interfaces then.
     """
 
     structure: Structure
     spaces: tuple[Space, ...]
     regions: tuple[Region, ...]
+    sides: tuple[Side, ...] = ()
 
     @property
     def overlapping(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,10 +20,22 @@ from solvers.quadrature.batch import PointBatch, TensorBatch
 from structures.jet_matrix import stacked
 from structures.operator import Operator
 
-__all__ = ["Solution", "Spline", "Trial"]
+if TYPE_CHECKING:
+    from rfm.geometry.shape import Shape
+
+__all__ = ["Piece", "Solution", "Spline", "Trial"]
 
 CHUNK = 100_000
 """Points evaluated at a time."""
+
+
+class Inside(Protocol):
+    """A region with a structure."""
+
+    @property
+    def region(self) -> Shape: ...  # noqa: D102
+    @property
+    def structure(self) -> tuple[Operator, ...]: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -35,10 +48,14 @@ class Trial:
         ``u = u0 + B[psi_0, psi_1, ...]``, one operator for each component of u.
     splines
         The functions psi_0, psi_1, ..., splines or of another basis.
+    inclusions
+        Parts of the domain with a structure of their own; at points both of a part and of its boundary it is that
+        of the part which counts.
     """
 
     structure: tuple[Operator, ...]
     splines: tuple[Psi, ...]
+    inclusions: tuple[Inside, ...] = ()
 
     @property
     def grid(self) -> Grid:
@@ -51,7 +68,7 @@ class Trial:
         return self.splines[0].degree
 
     def jet(self, batch: TensorBatch | PointBatch, order: int = 1) -> Array:
-        """Partial derivatives of u up to `order` at the nodes of `batch`.
+        """Partial derivatives of u up to `order` at the nodes of `batch`; of the matrix, where there are inclusions.
 
         Returns
         -------
@@ -94,7 +111,26 @@ class Trial:
     def _scattered(self, points: Array, order: int) -> Array:
         cells, unit = self.grid.locate(points)
         batch = PointBatch(cells, unit[:, None, :], np.ones((len(points), 1)))
-        return self.jet(batch, order)[:, :, 0]
+        jet: Array = self.jet(batch, order)[:, :, 0]
+        for inclusion in self.inclusions:
+            rows = np.flatnonzero(np.asarray(inclusion.region.membership(*points.T)) >= 0)
+            if len(rows):
+                there = PointBatch(cells[rows], unit[rows, None, :], np.ones((len(rows), 1)))
+                jet[:, rows] = self.within(inclusion.structure).jet(there, order)[:, :, 0]
+        return jet
+
+    def within(self, structure: tuple[Operator, ...]) -> Trial:
+        """The field of one material, continued everywhere."""
+        return Trial(structure, self.splines)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A material, or an interface of two: the problem as it is there, the field, cells and rules."""
+
+    problem: Problem
+    trial: Trial
+    background: Background
 
 
 @dataclass(frozen=True)
@@ -113,6 +149,8 @@ class Solution:
         Residual, iterations and choice of the linear solver.
     seconds
         Wall seconds of the phases geometry, quadrature, assembly, solve.
+    pieces
+        The materials and their interfaces; one piece where there is one material.
     notes
         What was done otherwise than asked for.
     """
@@ -123,6 +161,7 @@ class Solution:
     trial: Trial
     linear: LinearSolution
     seconds: Mapping[str, float]
+    pieces: tuple[Piece, ...]
     notes: tuple[str, ...] = ()
 
     @property

@@ -39,10 +39,10 @@ def summarise(case: Case, solution: Solution) -> dict[str, Any]:
         What was asked for and what came out.
     """
     from solvers.measures import measure
-    from solvers.norms import boundary_errors
+    from solvers.norms import all_boundary_errors
 
     problem, trial, background = solution.problem, solution.trial, solution.background
-    measures = measure(problem, trial, background)
+    measures = measure(solution.pieces)
     norms = measures.norms
     seconds = {phase: round(solution.seconds.get(phase, 0.0), 6) for phase in PHASES}
     linear = solution.linear
@@ -60,7 +60,7 @@ def summarise(case: Case, solution: Solution) -> dict[str, Any]:
         "relative_h1_error": norms.h1 if norms else None,
         "relative_max_error": norms.maximum if norms else None,
         "relative_energy_error": measures.energy_norm,
-        "boundary_error": boundary_errors(problem, trial, background),
+        "boundary_error": all_boundary_errors(solution.pieces),
         "energy": measures.energy if problem.equation.symmetric and not problem.oblique else None,
         "linear": {
             "method": linear.method,
