@@ -25,7 +25,7 @@ class Measures:
 
 
 def measure(pieces: Sequence[Piece]) -> Measures:
-    """Error norms and energy (of the domain and the natural boundary conditions) in one pass over the pieces of a solution.
+    """Error norms and energy of a solution, of its domain and its natural conditions.
 
     Raises
     ------

@@ -33,9 +33,9 @@ class Inside(Protocol):
     """A region with a structure."""
 
     @property
-    def region(self) -> Shape: ...  # noqa: D102
+    def region(self) -> Shape: ...
     @property
-    def structure(self) -> tuple[Operator, ...]: ...  # noqa: D102
+    def structure(self) -> tuple[Operator, ...]: ...
 
 
 @dataclass(frozen=True)

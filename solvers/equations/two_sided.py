@@ -92,7 +92,7 @@ class TwoSided:
         """Flux of the inclusion minus that of the matrix."""
         dimension = len(coords)
         half = self.inner.components(dimension) * len(multi_indices(dimension, self.flux_order))
-        rows = []
+        rows: list[Row] = []
         for own, other in zip(
             self.inner.flux(coords, normals, check=check),
             self.outer.flux(coords, normals, check=check),
@@ -110,11 +110,14 @@ class TwoSided:
         if not isinstance(condition, FluxJump):
             raise TypeError(f"an interface has no condition {type(condition).__name__}")
         rows = self.flux(coords, normals)
-        if isinstance(condition.value, FromExact):
-            truth = exact_jet(required(exact), coords, self.flux_order)
-            return [(row, apply(row, truth)) for row in rows]
         data = condition.value if isinstance(condition.value, tuple) else (condition.value,) * len(rows)
-        return [(row, values("flux jump", q, coords)) for row, q in zip(rows, data, strict=True)]
+        found: list[Equality] = []
+        for row, q in zip(rows, data, strict=True):
+            if isinstance(q, FromExact):
+                found.append((row, apply(row, exact_jet(required(exact), coords, self.flux_order))))
+            else:
+                found.append((row, 0.0 if q is None else values("flux jump", q, coords)))
+        return found
 
     def natural_density(
         self, condition: Condition, coords: Sequence[Array], normals: Array, exact: Exact | None
