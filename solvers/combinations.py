@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rfm.errors import DiscretizationError
+from rfm.errors import DiscretizationError, StructureError
 from rfm.geometry.distance import distance
 from rfm.geometry.part import Part
 from rfm.geometry.primitives_2d import disk
@@ -18,6 +18,7 @@ from solvers.equations.equation import Equation
 from solvers.equations.plate import Plate
 from solvers.equations.poisson import Poisson
 from solvers.flux_conditions import derivatives, has_flux, site_of
+from solvers.materials import require_materials
 from solvers.method import Method, least_degree
 from solvers.methods import METHODS
 from solvers.problem import (
@@ -25,6 +26,7 @@ from solvers.problem import (
     Condition,
     Dirichlet,
     Free,
+    Inclusion,
     Neumann,
     Oblique,
     Periodic,
@@ -88,6 +90,12 @@ def _page() -> Iterator[str]:
     yield from table(
         ("equation", "condition", "`conditions: natural`", "`conditions: exact`"), condition_rows()
     )
+    yield ""
+    yield "## Materials"
+    yield ""
+    yield "Inclusions of another material (`inclusions`), by equation; all methods, `conditions: natural`, splines."
+    yield ""
+    yield from table(("equation", "inclusions"), material_rows())
     yield ""
     yield "## Structures"
     yield ""
@@ -200,6 +208,18 @@ def _carried(equation: Equation, condition: Condition) -> str:
     except DiscretizationError:
         return "no: use `conditions: natural`"
     return f"structure, degree + {derivatives(problem)}"
+
+
+def material_rows() -> Iterator[Sequence[str]]:
+    """Whether an equation may differ from place to place by inclusions."""
+    for name, equation in EQUATIONS.items():
+        inner = Inclusion("inner", DOMAIN.scale(0.5), equation)
+        try:
+            require_materials(Problem(DOMAIN, equation, (), inclusions=(inner,)))
+        except StructureError as error:
+            yield name, f"no: {error}"
+        else:
+            yield name, "value by structure, flux by functional"
 
 
 def structure_rows() -> Iterator[Sequence[str]]:

@@ -34,11 +34,13 @@ from rfm.geometry.part import Part, union
 from rfm.geometry.shape import Shape
 from rfm.geometry.weight import weight
 from solvers.background import Background, prepare
+from solvers.bases.basis import Psi
 from solvers.collar import only_volume
 from solvers.equations.two_sided import TwoSided
 from solvers.essential import Prescribed, essential_structure, prescribed
 from solvers.exact import Exact, components_of, required
 from solvers.grid import Grid
+from solvers.modes import mode_of
 from solvers.periodicity import periods_of, wraps_of
 from solvers.problem import (
     Dirichlet,
@@ -50,8 +52,9 @@ from solvers.problem import (
     Problem,
     Slip,
 )
-from solvers.seams import seamless_structure
+from solvers.seams import closed, seamless_structure
 from solvers.setting import Region, Setting, Structure
+from solvers.solution import Trial
 from solvers.stopwatch import Stopwatch
 from solvers.wrapping import Wraps
 from structures.contact import boundary_points, meeting_points
@@ -95,12 +98,16 @@ def structures_of(
     StructureError
         An inclusion has no interface with the matrix, or meets conditions that do not go with it.
     """
-    for inclusion in problem.inclusions:
-        _require_plain(problem, inclusion)
+    require_materials(problem)
     interfaces = [interface_of(problem, inclusion) for inclusion in problem.inclusions]
     system = discretization.weight
     shared = seamless_structure(_borne_only(problem), discretization, grid)
+    walls = [
+        boundary_points(problem.domain & i.region, p)
+        for i, p in zip(problem.inclusions, interfaces, strict=True)
+    ]
     matrix = _matrix(problem, interfaces, shared, system)
+    matrix = closed(problem, matrix, grid, discretization.degree, np.concatenate(walls))
     sides = []
     for inclusion, interface in zip(problem.inclusions, interfaces, strict=True):
         region = problem.domain & inclusion.region
@@ -209,8 +216,8 @@ def interface_of(problem: Problem, inclusion: Inclusion) -> Part:
     seen = [s for s in own if _inside_domain(problem.domain, region, Part(s.name, frozenset([s])))]
     if not seen:
         raise StructureError(
-            f"the inclusion {inclusion.name} has no interface with the matrix: its region must be a part of the domain, "
-            "and not all of it"
+            f"the inclusion {inclusion.name} has no interface with the matrix: its region must be a part of the "
+            "domain, and not all of it"
         )
     return Part(inclusion.name, frozenset(seen))
 
@@ -221,18 +228,32 @@ def _inside_domain(domain: Shape, region: Shape, part: Part) -> bool:
     return bool((depth > FLAT * max(domain.box.size)).any())
 
 
-def _require_plain(problem: Problem, inclusion: Inclusion) -> None:
-    region = problem.domain & inclusion.region
-    for condition in problem.conditions:
-        if not isinstance(condition, Slip | Periodic):
-            continue
-        parts = (condition.part, condition.partner) if isinstance(condition, Periodic) else (condition.part,)
-        if any(len(boundary_points(region, part)) for part in parts):
-            kind = type(condition).__name__.lower()
-            raise StructureError(
-                f"the inclusion {inclusion.name} reaches a part with a {kind} condition, {condition.part.name}: that has "
-                "no structure; keep the inclusion off it"
+def require_materials(problem: Problem) -> None:
+    """Refuse what has no structure across interfaces.
+
+    Raises
+    ------
+    StructureError
+        The equation is of fourth order, or an inclusion reaches a slip or a periodic part.
+    """
+    if problem.equation.order > 1:
+        raise StructureError(
+            f"the equation {problem.equation.name} has no inclusions: write its data as where(...)"
+        )
+    for inclusion in problem.inclusions:
+        region = problem.domain & inclusion.region
+        for condition in problem.conditions:
+            if not isinstance(condition, Slip | Periodic):
+                continue
+            parts = (
+                (condition.part, condition.partner) if isinstance(condition, Periodic) else (condition.part,)
             )
+            if any(len(boundary_points(region, part)) for part in parts):
+                kind = type(condition).__name__.lower()
+                raise StructureError(
+                    f"the inclusion {inclusion.name} reaches {condition.part.name}, which has a {kind} condition: that "
+                    "has no structure across an interface; keep the inclusion off it"
+                )
 
 
 def _require_apart(region: Shape, part: Part, interface: Part, inclusion: Inclusion) -> None:
@@ -305,3 +326,13 @@ def _interface(problem: Problem, side: Side, matrix: Structure, own: Background)
         exact,
     )
     return Region((*side.structure, *matrix), background, pair)
+
+
+def stored_trial(
+    problem: Problem, discretization: Discretization, grid: Grid, splines: Sequence[Psi]
+) -> Trial:
+    """The field of splines that were solved for with these arguments."""
+    if problem.inclusions:
+        matrix, sides = structures_of(problem, discretization, grid)
+        return Trial(matrix, tuple(splines), sides)
+    return Trial(mode_of(discretization).structure(problem, discretization, grid), tuple(splines))

@@ -107,6 +107,15 @@ def refused(
                 "conditions: exact has no collars that go on across the seam of a periodic condition: use "
                 "conditions: natural",
             )
+    if problem.inclusions and not space.local:
+        return Refusal(
+            "basis",
+            f"the fields of several materials need splines, unlike basis: {discretization.basis}: use web-spline",
+        )
+    if problem.inclusions and discretization.conditions == "exact":
+        return Refusal(
+            "conditions", "conditions: exact has no structure across interfaces: use conditions: natural"
+        )
     suitable = method.linear_solvers(problem)
     if options.linear not in ("auto", *suitable):
         return Refusal(

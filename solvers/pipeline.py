@@ -43,7 +43,7 @@ UNFITTED = (
     "grid or a lower degree is faster"
 )
 PIVOTED = 6000
-"""Unknowns up to which fields of several materials, which nearly depend on each other, get a factorisation that picks."""
+"""Unknowns up to which fields of several materials, which nearly depend on each other, get a pivoted factorisation."""
 
 
 @on_one_thread

@@ -53,13 +53,40 @@ def seamless_structure(problem: Problem, discretization: Discretization, grid: G
             "a slip condition has no periodic structure: prescribe components, or drop the period"
         )
     structure = essential_structure(problem, discretization.weight)
-    for period in periods:
-        structure = _closed(problem, structure, period, grid, discretization.degree)
+    return closed(problem, structure, grid, discretization.degree)
+
+
+def closed(
+    problem: Problem, structure: tuple[Operator, ...], grid: Grid, degree: int, apart: Array | None = None
+) -> tuple[Operator, ...]:
+    """Return a structure of the essential conditions continued over the seams of a problem.
+
+    Parameters
+    ----------
+    problem, structure
+        The conditions, and what satisfies them inside one period.
+    grid, degree
+        Of the splines.
+    apart
+        Further points (n, d) that the strips around the seams must not reach.
+
+    Raises
+    ------
+    StructureError
+        The essential conditions next to a seam are not periodic.
+    """
+    for period in periods_of(problem):
+        structure = _closed(problem, structure, period, grid, degree, apart)
     return structure
 
 
 def _closed(
-    problem: Problem, structure: tuple[Operator, ...], period: Period, grid: Grid, degree: int
+    problem: Problem,
+    structure: tuple[Operator, ...],
+    period: Period,
+    grid: Grid,
+    degree: int,
+    apart: Array | None,
 ) -> tuple[Operator, ...]:
     places = list(_places(problem, len(structure)))
     scale = [_scale(structure[c], places, c) for c in range(len(structure))]
@@ -67,10 +94,14 @@ def _closed(
     room, same = [], True
     for sign in (-1.0, 1.0):  # images of what lies behind A, in front of B, and the other way round
         nearest, at = 0.5 * length, None
+        edge = period.upper if sign < 0 else period.lower
+        if apart is not None and len(apart):
+            gap = np.abs(apart[:, period.axis] - edge)
+            nearest, at = min(nearest, float(gap.min())), apart[int(np.argmin(gap))]
         for place in places:
             wrong, differs = _compared(structure, place, period, sign * length, scale)
             same = same and not differs.any()
-            gap = np.abs(place.points[:, period.axis] - (period.upper if sign < 0 else period.lower))
+            gap = np.abs(place.points[:, period.axis] - edge)
             gap = np.where(wrong, gap, np.inf)
             if len(gap) and gap.min() < nearest:
                 nearest, at = float(gap.min()), place.points[int(np.argmin(gap))]

@@ -113,18 +113,16 @@ def load(path: str | Path) -> Run:
     from rfm.app import storage
     from solvers.bases.registry import basis
     from solvers.grid import Grid
-    from solvers.modes import mode_of
-    from solvers.solution import Trial
+    from solvers.materials import stored_trial
 
     stored = storage.load(path)
     case = load_case(stored.case)
     problem = build_problem(case)
     discretization = build_discretization(case, problem.domain)
     grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
-    structure = mode_of(discretization).structure(problem, discretization, grid)
     family = basis(stored.basis)
     splines = (
         family.load(grid, stored.degree, stored.coefficients),
         *(family.load(grid, other.degree, other.coefficients) for other in stored.more),
     )
-    return Run(case, Trial(structure, splines), stored.summary)
+    return Run(case, stored_trial(problem, discretization, grid, splines), stored.summary)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from rfm.app.blame import located
 from rfm.app.case import Case
 from rfm.app.covering import assign_parts
 from rfm.app.formulation import build_condition, build_equation, build_exact
+from rfm.app.inclusions import build_inclusions
 from rfm.app.schema.discretization import DEFAULT_GRID
 from rfm.app.schema.results import DOMAIN
 from rfm.app.shapes import build_shapes
@@ -38,20 +40,29 @@ def build_problem(case: Case) -> Problem:
     """
     from solvers.problem import Problem
 
-    domain = build_domain(case)
+    shapes = build_shapes(case)
+    domain = _domain(case, shapes)
     equation = build_equation(case)
     parts = assign_parts(case, domain)
     _check_results(case, domain)
     conditions = tuple(build_condition(case, i, part) for i, part in enumerate(parts))
     _check_periods(case, domain, conditions)
-    return Problem(domain, equation, conditions, build_exact(case))
+    problem = Problem(domain, equation, conditions, build_exact(case))
+    return (
+        replace(problem, inclusions=build_inclusions(case, problem, shapes))
+        if case.equation.inclusions
+        else problem
+    )
 
 
 def build_domain(case: Case) -> Shape:
     """Domain of a case, with the surfaces of its shapes named after them."""
+    return _domain(case, build_shapes(case))
+
+
+def _domain(case: Case, shapes: Mapping[str, Shape]) -> Shape:
     from rfm.geometry.predicate import shape as substitute
 
-    shapes = build_shapes(case)
     path: Path = ("geometry", "domain")
     try:
         domain = substitute(case.geometry.domain.predicate, shapes).using(case.geometry.membership)

@@ -46,6 +46,9 @@ SUMMARY_KEYS = (
 
 ERROR_KEYS = SUMMARY_KEYS[:4]
 
+MATRIX = "matrix"
+"""Name of the material outside of all inclusions."""
+
 LOWEST_DEGREES = {"plate": 2}
 """Least degree of the splines, where an equation has one."""
 
@@ -76,7 +79,8 @@ class Case(Strict):
     equation: Equation
     boundary_conditions: list[BoundaryCondition]
     exact: FieldData | None = Field(
-        default=None, description="exact solution, a list for a vector: turns on the error norms"
+        default=None,
+        description="exact solution, a list for a vector, by material where there are several: for the error norms",
     )
     discretization: Discretization = Field(default_factory=Discretization)
     solver: Solver = Field(default_factory=Solver)
@@ -92,6 +96,7 @@ class Case(Strict):
     @model_validator(mode="after")
     def _consistent(self) -> Case:
         self._check_conditions()
+        self._check_inclusions()
         self._check_exact()
         self._check_names()
         self._check_integrands()
@@ -117,14 +122,45 @@ class Case(Strict):
                 value=("discretization", "degree"),
             )
 
+    def _check_inclusions(self) -> None:
+        """Names of materials and shapes, and that the exact solution is given for each."""
+        names: list[str] = [MATRIX]
+        for i, inclusion in enumerate(self.equation.inclusions):
+            path: Path = ("equation", self.equation.name, "inclusions", i)
+            for shape, offset in inclusion.region.names.items():
+                if shape not in self.geometry.shapes:
+                    message = f"unknown shape {shape!r}; {nearest(shape, self.geometry.shapes, 'shapes')}"
+                    raise fail(message, value=(*path, "region"), offset=offset)
+            if inclusion.called in names:
+                raise fail(f"the name {inclusion.called!r} is taken; give another", value=path)
+            names.append(inclusion.called)
+        if not isinstance(self.exact, dict):
+            return
+        if not self.equation.inclusions:
+            raise fail(
+                "a mapping is for cases with inclusions; give the exact solution itself", value=("exact",)
+            )
+        for name in self.exact:
+            if name not in names:
+                message = f"unknown material {name!r}; {nearest(name, names, 'materials')}"
+                raise fail(message, key=("exact", name))
+        for name in names:
+            if name not in self.exact:
+                raise fail(f"the exact solution in {name!r} is missing", key=("exact",))
+
     def _check_exact(self) -> None:
         if self.exact is not None:
-            if isinstance(self.exact, tuple) != self.is_vector:
-                wanted = "a list with one entry for each coordinate" if self.is_vector else "one expression"
-                raise fail(f"must be {wanted} for the equation {self.equation.name}", value=("exact",))
+            parts = self.exact.items() if isinstance(self.exact, dict) else [(None, self.exact)]
+            for name, part in parts:
+                if isinstance(part, tuple) != self.is_vector:
+                    wanted = (
+                        "a list with one entry for each coordinate" if self.is_vector else "one expression"
+                    )
+                    place: Path = ("exact",) if name is None else ("exact", name)
+                    raise fail(f"must be {wanted} for the equation {self.equation.name}", value=place)
             return
-        if self.equation.exact_key is not None:
-            path: Path = ("equation", self.equation.name, self.equation.exact_key)
+        if self.equation.exact_path is not None:
+            path: Path = ("equation", self.equation.name, *self.equation.exact_path)
             raise fail("'from exact' needs the key exact", value=path)
         for i, condition in enumerate(self.boundary_conditions):
             if condition.from_exact:

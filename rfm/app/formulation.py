@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rfm.app.case import Case
+from rfm.app.case import MATRIX, Case
 from rfm.app.expressions import Expression
 from rfm.app.schema.scalars import FROM_EXACT
 from rfm.app.yaml_reader import Path
@@ -14,9 +14,10 @@ from rfm.errors import RfmError
 
 if TYPE_CHECKING:
     from rfm.geometry.part import Part
+    from rfm.geometry.shape import Shape
     from solvers.equations.equation import Equation
     from solvers.exact import Exact
-    from solvers.problem import Condition, FromExact
+    from solvers.problem import Condition, FromExact, Inclusion
 
 
 def build_equation(case: Case) -> Equation:
@@ -27,13 +28,36 @@ def build_equation(case: Case) -> Equation:
     CaseError
         A number is out of its range.
     """
-    name = case.equation.name
-    path: Path = ("equation", name)
+    return _equation(case, case.equation.data, ("equation", case.equation.name))
+
+
+def build_inclusion(case: Case, index: int, region: Shape) -> Inclusion:
+    """Inclusion of a case in its region.
+
+    Raises
+    ------
+    CaseError
+        A number is out of its range.
+    """
+    from solvers.problem import Inclusion
+
+    given: Any = case.equation.inclusions[index]
+    path: Path = ("equation", case.equation.name, "inclusions", index)
+    data = case.equation.data.model_copy(update=given.overrides())
+    jumps = {
+        key: 0.0 if getattr(given, key) is None else value(case, getattr(given, key), (*path, key))
+        for key in ("jump", "flux_jump")
+    }
+    exact = build_exact(case, given.called)
+    return Inclusion(given.called, region, _equation(case, data, path), **jumps, exact=exact)
+
+
+def _equation(case: Case, data: Any, path: Path) -> Equation:
     try:
-        return EQUATIONS[name](case, path)
+        return EQUATIONS[case.equation.name](case, data, path)
     except RfmError as error:
         key, _, message = str(error).partition(" ")
-        if key in type(case.equation.data).model_fields:
+        if key in type(data).model_fields:
             raise case.error((*path, key), message) from error
         raise
 
@@ -45,11 +69,16 @@ def build_condition(case: Case, index: int, part: Part) -> Condition:
     return CONDITIONS[given.kind](case, getattr(given, given.kind), path, part)
 
 
-def build_exact(case: Case) -> Exact | None:
-    """Exact solution of a case, a tuple of fields for a vector."""
-    if isinstance(case.exact, tuple):
-        return tuple(item.field(case.dimension, ("exact", i)) for i, item in enumerate(case.exact))
-    return case.exact.field(case.dimension, ("exact",)) if case.exact is not None else None
+def build_exact(case: Case, material: str = MATRIX) -> Exact | None:
+    """Exact solution of a case in a material, a tuple of fields for a vector."""
+    given: Any = case.exact
+    path: Path = ("exact",)
+    if isinstance(given, dict):
+        given, path = given[material], ("exact", material)
+    if isinstance(given, tuple):
+        return tuple(item.field(case.dimension, (*path, i)) for i, item in enumerate(given))
+    found: Field | None = given.field(case.dimension, path) if given is not None else None
+    return found
 
 
 def datum(case: Case, expression: Expression | str, path: Path) -> Field | float:
@@ -72,12 +101,9 @@ def value(case: Case, given: Any, path: Path) -> Any:
     return taken if given == FROM_EXACT else datum(case, given, path)
 
 
-def _poisson(case: Case, path: Path) -> Equation:
+def _poisson(case: Case, data: Any, path: Path) -> Equation:
     from solvers.equations.poisson import Poisson
 
-    data = case.equation.poisson
-    if data is None:
-        raise TypeError("the case is none of poisson")
     return Poisson(
         source=None if data.source == FROM_EXACT else datum(case, data.source, (*path, "source")),
         conductivity=datum(case, data.conductivity, (*path, "conductivity")),
@@ -86,12 +112,9 @@ def _poisson(case: Case, path: Path) -> Equation:
     )
 
 
-def _elasticity(case: Case, path: Path) -> Equation:
+def _elasticity(case: Case, data: Any, path: Path) -> Equation:
     from solvers.equations.elasticity import Elasticity
 
-    data = case.equation.elasticity
-    if data is None:
-        raise TypeError("the case is none of elasticity")
     force = data.body_force if data.body_force is not None else (Expression("0"),) * case.dimension
     return Elasticity(
         model=str(data.model),
@@ -101,12 +124,9 @@ def _elasticity(case: Case, path: Path) -> Equation:
     )
 
 
-def _plate(case: Case, path: Path) -> Equation:
+def _plate(case: Case, data: Any, path: Path) -> Equation:
     from solvers.equations.plate import Plate
 
-    data = case.equation.plate
-    if data is None:
-        raise TypeError("the case is none of plate")
     return Plate(
         stiffness=datum(case, data.stiffness, (*path, "stiffness")),
         poisson_ratio=data.poisson_ratio,
@@ -114,7 +134,7 @@ def _plate(case: Case, path: Path) -> Equation:
     )
 
 
-EQUATIONS: dict[str, Callable[[Case, Path], Equation]] = {
+EQUATIONS: dict[str, Callable[[Case, Any, Path], Equation]] = {
     "poisson": _poisson,
     "elasticity": _elasticity,
     "plate": _plate,

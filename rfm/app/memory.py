@@ -91,7 +91,11 @@ def refuse_large(case: Case) -> None:
 
     domain = build_domain(case)
     try:
-        require_memory(domain, build_discretization(case, domain), len(case.unknowns))
+        require_memory(
+            domain,
+            build_discretization(case, domain),
+            len(case.unknowns) * (2 if case.equation.inclusions else 1),
+        )
     except DiscretizationError as error:
         raise located(case, error) from error
 

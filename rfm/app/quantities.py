@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rfm.calculus.types import Array
     from rfm.geometry.surface import Surface
     from solvers.quadrature.batch import PointBatch, TensorBatch
-    from solvers.solution import Solution
+    from solvers.solution import Piece, Solution
 
 
 def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
@@ -85,43 +85,48 @@ def _surfaces(case: Case, name: str, wanted: Integral, solution: Solution) -> li
 def _over_domain(case: Case, name: str, wanted: Integral, solution: Solution) -> float:
     from solvers.norms import integrate
 
-    def integrand(batch: TensorBatch | PointBatch) -> Array:
+    def integrand(piece: Piece, batch: TensorBatch | PointBatch) -> Array:
         if wanted.of == "area":
             return np.ones(1)
-        return _expression_values(case, name, wanted, solution, batch)
+        return _expression_values(case, name, wanted, piece, batch)
 
-    return integrate(solution.background, solution.trial.degree, integrand)
+    return sum(integrate(p.background, p.trial.degree, partial(integrand, p)) for p in solution.pieces)
 
 
 def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, solution: Solution) -> Array:
-    rules: Mapping[Surface, PointBatch] = solution.background.rules.boundary
-    if surface not in rules:
-        return np.zeros(())
-    batch, grid = rules[surface], solution.background.grid
+    pieces = [p for p in solution.pieces if surface in p.background.rules.boundary]
+    total: Array = np.sum(
+        [_over_piece(case, name, surface, wanted, p) for p in pieces] or [np.zeros(())], axis=0
+    )
+    return total
+
+
+def _over_piece(case: Case, name: str, surface: Surface, wanted: Integral, piece: Piece) -> Array:
+    batch, grid = piece.background.rules.boundary[surface], piece.background.grid
     if wanted.of == "area":
         return np.asarray(batch.weights.sum())
     if wanted.of == "flux":
         from solvers.boundary import flux_values, outward
 
-        problem = solution.problem
-        jet = solution.trial.jet(batch, problem.equation.flux_order)
+        problem = piece.problem
+        jet = piece.trial.jet(batch, problem.equation.flux_order)
         values = flux_values(problem, batch.points(grid), outward(batch), jet)
     else:
-        values = _expression_values(case, name, wanted, solution, batch)
+        values = _expression_values(case, name, wanted, piece, batch)
     return np.asarray(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights, axis=(-2, -1)))
 
 
 def _expression_values(
-    case: Case, name: str, wanted: Integral, solution: Solution, batch: TensorBatch | PointBatch
+    case: Case, name: str, wanted: Integral, piece: Piece, batch: TensorBatch | PointBatch
 ) -> Array:
     from solvers.data import require_finite
 
     if isinstance(wanted.of, str):
         raise TypeError(f"{wanted.of!r} is no expression")
     field: ExpressionField = wanted.of.field(case.dimension, ("integrals", name, "of"), case.unknowns)
-    coords = batch.points(solution.background.grid)
+    coords = batch.points(piece.background.grid)
     values = np.broadcast_to(
-        np.asarray(field(*coords, *solution.trial.jet(batch, 0)), float), batch.weights.shape
+        np.asarray(field(*coords, *piece.trial.jet(batch, 0)), float), batch.weights.shape
     )
     require_finite("integrand", field, coords, np.where(batch.weights != 0, values, 0.0))
     return values

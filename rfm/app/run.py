@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rfm.app.build import build_discretization, build_problem, located, solver_options
 from rfm.app.case import Case
-from rfm.app.derived import pictured
+from rfm.app.derived import everywhere, pictured
 from rfm.app.methods import build_method
 from rfm.app.record import FurtherSpline, LinearFacts, Provenance, Residual, RunRecord
 from rfm.app.schema.base import Strict
@@ -106,7 +106,7 @@ def record_of(result: Result, study: tuple[dict[str, Any], ...] | None = None) -
         gradient=solution.gradient,
         derived=pictured(solution),
         provenance=Provenance.collect(result.started),
-        exact=solution.problem.exact,
+        exact=everywhere(solution.problem),
         residuals=residuals,
         timings=result.summary["seconds"],
         linear=LinearFacts(linear.method, linear.reason, solution.dofs, linear.residual, linear.iterations),

@@ -429,3 +429,57 @@ def test_contradictory_corner_is_a_warning(folder):
 def test_periodic_conditions_that_cannot_be(folder, old, new, place, words):
     assert BOX.count(old) == 1
     refuse(folder, BOX.replace(old, new), place, words)
+
+
+MATERIALS = """\
+rfm: 1
+geometry:
+  shapes:
+    box: {rectangle: {min: [0, 0], max: [1, 1]}}
+    a: {disk: {center: [0.3, 0.5], radius: 0.2}}
+    b: {disk: {center: [0.7, 0.5], radius: 0.15}}
+  domain: box
+equation:
+  poisson:
+    source: 1
+    inclusions:
+      - {region: a, conductivity: 5}
+      - {region: b, conductivity: 2}
+boundary_conditions:
+  - {on: all, dirichlet: 0}
+discretization: {degree: 2, grid: 12}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "words"),
+    [
+        ("region: a", "region: a | c", "12:22", "unknown shape 'c'; shapes: box, a, b"),
+        ("region: a, ", "", "5:5", "the key 'region' is missing"),
+        ("region: a,", "region: a &,", "12:21", "inclusions.0.region"),
+        (
+            "conductivity: 5",
+            "conductivity: -5",
+            "12:35",
+            "inclusions.0.conductivity: must be positive, got -5",
+        ),
+        ("conductivity: 5", "conductivity: 0", "12:35", "must be positive, got 0"),
+        ("conductivity: 5", "jump: from exact", "12:27", "'from exact' needs the key exact"),
+        ("conductivity: 5", "jumps: 1", "12:21", "unknown key 'jumps'; did you mean 'jump'?"),
+        ("radius: 0.15", "radius: 0.25", "13:18", "meets the inclusion a at ("),
+        ("center: [0.7, 0.5]", "center: [5, 5]", "13:18", "the inclusion b has no interface with the matrix"),
+        ("region: b,", "name: a, region: b,", "13:9", "the name 'a' is taken; give another"),
+        ("grid: 12}", "grid: 12}\nexact: {matrix: 0, a: 0}", "17:1", "the exact solution in 'b' is missing"),
+        (
+            "grid: 12}",
+            "grid: 12}\nexact: {matrix: 0, a: 0, c: 0}",
+            "17:26",
+            "unknown material 'c'; materials: matrix, a, b",
+        ),
+        ("grid: 12}", "grid: 12}\nsolver: {conditions: exact}", "17:22", "use conditions: natural"),
+        ("grid: 12}", "grid: 12, basis: legendre}", "16:46", "use web-spline"),
+    ],
+)
+def test_inclusions_that_cannot_be(folder, old, new, place, words):
+    assert MATERIALS.count(old) == 1
+    refuse(folder, MATERIALS.replace(old, new), place, words)

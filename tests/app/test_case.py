@@ -419,7 +419,7 @@ def test_example_of_the_documentation_is_a_case():
     assert build_problem(case).domain.parts == ("outer", "inner")
 
 
-@pytest.mark.parametrize("number", [2, 3, 4, 5])
+@pytest.mark.parametrize("number", [2, 3, 4, 5, 6])
 def test_fragments_of_the_documentation_fit_a_case(number):
     fragment = DOCUMENT.read_text().split("```yaml\n")[number].split("```")[0]
     whole = {

@@ -85,7 +85,7 @@ def test_natural_conditions_and_a_source_from_the_exact_solution():
     ):
         problem = Problem(RING, Energy(density, source_from_exact=True), conditions, exact=exact)
         solution = ritz.solve(problem, Discretization(degree=4, grid=16))
-        assert measure(problem, solution.trial, solution.background).norms.l2 < 1e-6
+        assert measure(solution.pieces).norms.l2 < 1e-6
 
 
 def test_a_vector_and_a_plate():
@@ -99,7 +99,7 @@ def test_a_vector_and_a_plate():
     )
     for problem in (vector, plate):
         solution = ritz.solve(problem, Discretization(degree=4, grid=16))
-        assert measure(problem, solution.trial, solution.background).norms.l2 < 1e-5
+        assert measure(solution.pieces).norms.l2 < 1e-5
 
 
 def test_a_density_that_is_not_quadratic_is_refused():

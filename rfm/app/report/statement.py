@@ -75,7 +75,15 @@ def _poisson(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     if not is_number(reaction, 0):
         left += " + c u"
         where.append(("c", text(reaction)))
-    return f"{left} = f in Ω", tuple(where)
+    return f"{left} = f in Ω", (*where, *_materials(data))
+
+
+def _materials(data: Mapping[str, Any]) -> Symbols:
+    """What is other in each inclusion."""
+    return tuple(
+        (f"in {item.get('region')}", text({k: v for k, v in item.items() if k not in ("region", "name")}))
+        for item in data.get("inclusions", ())
+    )
 
 
 def _elasticity(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
@@ -84,7 +92,7 @@ def _elasticity(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:
     if force is not None:
         where.append(("f", text(force)))
     model = str(data.get("model", "")).replace("_", " ")
-    return f"−∇·σ(u) = {'0' if force is None else 'f'} in Ω ({model})", tuple(where)
+    return f"−∇·σ(u) = {'0' if force is None else 'f'} in Ω ({model})", (*where, *_materials(data))
 
 
 def _plate(_: str, data: Mapping[str, Any]) -> tuple[str, Symbols]:

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from rfm.app.expressions import Expression
 from rfm.app.schema.base import Strict
+from rfm.app.schema.inclusions import ElasticInclusion, Inclusion, PoissonInclusion
 from rfm.app.schema.scalars import (
     DIMENSION_WORDS,
     FROM_EXACT,
@@ -19,6 +20,7 @@ from rfm.app.schema.scalars import (
     scope_of,
 )
 from rfm.app.schema.vectors import Components, ComponentsOrExact
+from rfm.app.yaml_reader import Path
 
 ZERO, ONE = Expression("0"), Expression("1")
 
@@ -30,6 +32,7 @@ class Poisson(Strict):
     conductivity: Datum = Field(default=ONE, description="k, positive")
     reaction: Datum = Field(default=ZERO, description="c, not negative")
     advection: Components | None = Field(default=None, description="b, a list; needs method: galerkin")
+    inclusions: tuple[PoissonInclusion, ...] = Field(default=(), description="parts of another material")
 
 
 class Elasticity(Strict):
@@ -49,6 +52,7 @@ class Elasticity(Strict):
     body_force: ComponentsOrExact | None = Field(
         default=None, description="f, a list, or 'from exact'; zero by default"
     )
+    inclusions: tuple[ElasticInclusion, ...] = Field(default=(), description="parts of another material")
 
     @model_validator(mode="after")
     def _fitting(self, info: ValidationInfo) -> Elasticity:
@@ -104,6 +108,14 @@ class Equation(Strict):
         return data
 
     @property
-    def exact_key(self) -> str | None:
-        """Key of the datum that is taken from the exact solution, None when there is none."""
-        return next((key for key, value in self.data if value == FROM_EXACT), None)
+    def inclusions(self) -> tuple[Inclusion, ...]:
+        """Parts of the domain with another material."""
+        return getattr(self.data, "inclusions", ())
+
+    @property
+    def exact_path(self) -> Path | None:
+        """Where a datum is taken from the exact solution, None when there is none."""
+        found: list[tuple[Path, Strict]] = [((), self.data)]
+        found += [(("inclusions", i), inclusion) for i, inclusion in enumerate(self.inclusions)]
+        taken = ((*path, key) for path, one in found for key, value in one if value == FROM_EXACT)
+        return next(taken, None)

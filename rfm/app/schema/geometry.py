@@ -50,7 +50,7 @@ class Geometry(Strict):
             if wrong:
                 raise fail(wrong, key=("shapes", name))
         check_names(self.domain, self.shapes, ("domain",))
-        used = used_names(self.domain, self.shapes)
+        used = used_names(self.domain, self.shapes, scope_of(info).mentioned)
         for name in self.shapes:
             if name not in used:
                 raise fail(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from rfm.app.domain import DomainExpression
 from rfm.app.schema.derived import Derived
@@ -29,8 +29,8 @@ def check_names(expression: DomainExpression, shapes: Shapes, path: Path) -> Non
             )
 
 
-def used_names(domain: DomainExpression, shapes: Shapes) -> set[str]:
-    """Names that the domain mentions, or a shape that it mentions, and so on.
+def used_names(domain: DomainExpression, shapes: Shapes, more: Collection[str] = ()) -> set[str]:
+    """Names that the domain mentions, or `more`, or a shape that these mention, and so on.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def used_names(domain: DomainExpression, shapes: Shapes) -> set[str]:
     used: set[str] = set()
     for name in shapes:
         _follow(name, shapes, set(), ())
-    for name in domain.names:
+    for name in (*domain.names, *(name for name in sorted(more) if name in shapes)):
         _follow(name, shapes, used, ())
     return used
 

@@ -44,12 +44,15 @@ class Scope:
         Whether the domain multiplies shapes, whose dimensions are then less than its own.
     own
         Raw values of the shapes that only other shapes mention, each with its dimension.
+    mentioned
+        Names in the regions of inclusions.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     dimension: int | None = None
     product: bool = False
     own: tuple[tuple[Any, int], ...] = ()
+    mentioned: frozenset[str] = frozenset()
 
     @property
     def shape_dimension(self) -> int | None:
@@ -208,7 +211,7 @@ def vector(value: Any, info: ValidationInfo) -> tuple[float, ...]:
 
 
 def within(
-    index: int, validator: Callable[[Any, ValidationInfo], Item], item: Any, info: ValidationInfo
+    index: int | str, validator: Callable[[Any, ValidationInfo], Item], item: Any, info: ValidationInfo
 ) -> Item:
     """Validate an item of a list, so that an error points to the item."""
     try:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from rfm.app.expressions import Expression, ExpressionError
@@ -18,7 +20,8 @@ MAX_PARAMETERS = 500
 def scope_of_document(document: Document) -> tuple[Scope, list[CaseError]]:
     """Scope of a case and the errors in its parameters."""
     values, errors = parameters(document)
-    return scope_of_shapes(document.data, values), errors
+    scope = scope_of_shapes(document.data, values)
+    return replace(scope, mentioned=in_regions(document.data)), errors
 
 
 def parameters(document: Document) -> tuple[dict[str, float], list[CaseError]]:
@@ -56,6 +59,18 @@ def _parameter(value: Any, earlier: dict[str, float]) -> float:
     if constant is None or isinstance(constant, bool):
         raise ValueError("must be a number, not a condition")
     return float(constant)
+
+
+def in_regions(data: dict[str, Any]) -> frozenset[str]:
+    """Names in the regions of the inclusions of a case that has not been validated."""
+    equation = data.get("equation")
+    found: set[str] = set()
+    for given in equation.values() if isinstance(equation, dict) else ():
+        inclusions = given.get("inclusions") if isinstance(given, dict) else None
+        for item in inclusions if isinstance(inclusions, list) else ():
+            if isinstance(item, dict):
+                found.update(re.findall(r"\w+", str(item.get("region", ""))))
+    return frozenset(found)
 
 
 def scope_of_shapes(data: dict[str, Any], values: dict[str, float]) -> Scope:

@@ -48,13 +48,17 @@ def _prescribed(value: Any, info: ValidationInfo) -> Entry | tuple[Entry, ...]:
     return entries
 
 
-def _field(value: Any, info: ValidationInfo) -> Entry | tuple[Entry, ...]:
+def _field(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, dict):
+        return {str(name): within(str(name), _field, item, info) for name, item in value.items()}
     return (
         _list(value, info, validate_datum) if isinstance(value, list | tuple) else validate_datum(value, info)
     )
 
 
 def _written(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _written(item) for name, item in value.items()}
     if isinstance(value, tuple):
         return [None if entry is None else written(entry) for entry in value]
     return written(value)
@@ -78,8 +82,16 @@ Prescribed = Annotated[
     WithJsonSchema({"anyOf": [_ENTRY_SCHEMA, _LIST_WITH_NULL]}),
 ]
 FieldData = Annotated[
-    Expression | tuple[Expression, ...],
+    Expression | tuple[Expression, ...] | dict[str, Any],
     BeforeValidator(_field),
     WRITTEN,
-    WithJsonSchema({"anyOf": [_ENTRY_SCHEMA, _LIST]}),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _ENTRY_SCHEMA,
+                _LIST,
+                {"type": "object", "additionalProperties": {"anyOf": [_ENTRY_SCHEMA, _LIST]}},
+            ]
+        }
+    ),
 ]
