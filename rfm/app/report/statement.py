@@ -82,7 +82,7 @@ def _materials(data: Mapping[str, Any]) -> Symbols:
     """What is other in each inclusion."""
     return tuple(
         (f"in {item.get('region')}", text({k: v for k, v in item.items() if k not in ("region", "name")}))
-        for item in data.get("inclusions", ())
+        for item in data.get("inclusions") or ()
     )
 
 

@@ -32,7 +32,9 @@ class Poisson(Strict):
     conductivity: Datum = Field(default=ONE, description="k, positive")
     reaction: Datum = Field(default=ZERO, description="c, not negative")
     advection: Components | None = Field(default=None, description="b, a list; needs method: galerkin")
-    inclusions: tuple[PoissonInclusion, ...] = Field(default=(), description="parts of another material")
+    inclusions: tuple[PoissonInclusion, ...] | None = Field(
+        default=None, description="parts of another material"
+    )
 
 
 class Elasticity(Strict):
@@ -52,7 +54,9 @@ class Elasticity(Strict):
     body_force: ComponentsOrExact | None = Field(
         default=None, description="f, a list, or 'from exact'; zero by default"
     )
-    inclusions: tuple[ElasticInclusion, ...] = Field(default=(), description="parts of another material")
+    inclusions: tuple[ElasticInclusion, ...] | None = Field(
+        default=None, description="parts of another material"
+    )
 
     @model_validator(mode="after")
     def _fitting(self, info: ValidationInfo) -> Elasticity:
@@ -110,7 +114,7 @@ class Equation(Strict):
     @property
     def inclusions(self) -> tuple[Inclusion, ...]:
         """Parts of the domain with another material."""
-        return getattr(self.data, "inclusions", ())
+        return getattr(self.data, "inclusions", None) or ()
 
     @property
     def exact_path(self) -> Path | None:
