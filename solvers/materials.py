@@ -32,7 +32,7 @@ from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError, GeometryError, StructureError
 from rfm.geometry.part import Part, union
 from rfm.geometry.shape import Shape
-from rfm.geometry.weight import weight
+from rfm.geometry.weight import Weighting, weight
 from solvers.background import Background, prepare
 from solvers.bases.basis import Psi
 from solvers.collar import only_volume
@@ -101,6 +101,10 @@ def structures_of(
     require_materials(problem)
     interfaces = [interface_of(problem, inclusion) for inclusion in problem.inclusions]
     system = discretization.weight
+    if callable(system):
+        raise StructureError(
+            "a weight given as a function does not know the interfaces: give the name of a weight"
+        )
     shared = seamless_structure(_borne_only(problem), discretization, grid)
     walls = [
         boundary_points(problem.domain & i.region, p)
@@ -132,7 +136,7 @@ def _bears(problem: Problem, inclusion: Inclusion, part: Part) -> bool:
     return bool(part.surfaces & set(region.surfaces)) and len(boundary_points(region, part)) > 0
 
 
-def _matrix(problem: Problem, interfaces: Sequence[Part], shared: Structure, system: str) -> Structure:
+def _matrix(problem: Problem, interfaces: Sequence[Part], shared: Structure, system: Weighting) -> Structure:
     """Structure of the matrix from the field that it shares with the inclusions."""
     domain, count, dimension = problem.domain, len(shared), problem.domain.dimension
     outside = reduce(lambda left, inclusion: left - inclusion.region, problem.inclusions, domain)

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo
 
 from rfm.app.expressions import Expression
 from rfm.app.schema.base import Strict
-from rfm.app.schema.geometry import Domain
+from rfm.app.schema.references import ShapeExpression
 from rfm.app.schema.scalars import WRITTEN, Datum, DatumOrExact, Text, fail, validate_datum
 from rfm.app.schema.vectors import ComponentsOrExact
 
@@ -28,7 +28,7 @@ PositiveDatum = Annotated[Expression, BeforeValidator(_positive), WRITTEN]
 class Inclusion(Strict):
     """A part of the domain with another material; what is not given is that of the rest."""
 
-    region: Domain = Field(description="shapes joined by & | - ~: the part of the domain in them")
+    region: ShapeExpression = Field(description="shapes joined by & | - ~: the part of the domain in them")
     name: Text | None = Field(
         default=None, description="for results and the key exact; the region by default"
     )
