@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, log, sin
 from rfm.errors import DiscretizationError, StructureError
-from rfm.geometry.primitives import disk, half_plane, rectangle
+from rfm.geometry.primitives import ball, box, disk, half_plane, rectangle
 from solvers import pipeline
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.plate import Plate
@@ -199,6 +199,17 @@ def test_stiff_fibre_in_an_elastic_body():
         (fibre,),
     )
     assert measure(solved(body, 3, 16).pieces).norms.l2 < 1e-4
+
+
+def test_ball_in_a_box():
+    cube = box(min=(0, 0, 0), max=(1, 1, 1)).named("box")
+    core = ball(center=(0.5, 0.5, 0.5), radius=0.27).named("ball")
+    inner = Inclusion(
+        "ball", core, Poisson(None, 5.0), FROM_EXACT, FROM_EXACT, lambda x, y, z: x * y + cos(z)
+    )
+    exact = lambda x, y, z: sin(x + y) + z  # noqa: E731
+    problem = Problem(cube, Poisson(None), (Dirichlet(cube.part("all"), FROM_EXACT),), exact, (inner,))
+    assert measure(solved(problem, 2, 6).pieces).norms.l2 < 1.2e-3
 
 
 def test_inclusions_beside_a_periodic_seam():
