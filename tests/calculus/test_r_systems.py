@@ -40,7 +40,14 @@ SYSTEMS: list[RSystem] = [
 ]  # fmt: skip
 NORMALISED: list[RSystem] = [R1(), R0, Rp(2), Rp(4), RNorm(1), RNorm(2), RNorm(3), RAlphaOf(even_alpha)]
 number = st.floats(-100, 100).map(lambda x: 0.0 if abs(x) < 1e-3 else x)
-by_system = pytest.mark.parametrize("r", SYSTEMS, ids=repr)
+
+
+def name_of(r: RSystem) -> str:
+    """Name of a system that is the same in every process."""
+    return f"RAlphaOf({r.alpha.__name__})" if isinstance(r, RAlphaOf) else repr(r)
+
+
+by_system = pytest.mark.parametrize("r", SYSTEMS, ids=name_of)
 
 
 @by_system
@@ -76,7 +83,7 @@ def test_de_morgan(r: RSystem, f: float, g: float) -> None:
     np.testing.assert_allclose(r.negation(r.negation(f)), f)
 
 
-@pytest.mark.parametrize("r", NORMALISED, ids=repr)
+@pytest.mark.parametrize("r", NORMALISED, ids=name_of)
 def test_normalisation_is_kept(r: RSystem) -> None:
     """Where one argument vanishes and the other is inactive, the gradient is that of the first."""
     zero, other = np.zeros(4), np.array([0.1, 1.0, 3.0, 9.0])
