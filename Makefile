@@ -4,6 +4,7 @@
 CASE ?= cases/poisson/annulus.yaml
 JOBS ?= 2
 VENV := .venv
+PEERS := .venv-peers
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null)
@@ -14,7 +15,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 export PYVISTA_OFF_SCREEN ?= true
 
-.PHONY: help run test test-slow lint format types layers notebooks pair bench gallery figures lock clean
+.PHONY: help run test test-slow lint format types layers notebooks pair bench bench-peers bench-large gallery figures lock clean
 .DEFAULT_GOAL := help
 
 help:  ## list the commands
@@ -49,8 +50,18 @@ notebooks: $(STAMP)  ## execute the notebooks from a clean kernel
 pair: $(STAMP)  ## write the notebooks anew from their scripts
 	$(BIN)/jupytext --sync notebooks/*.py
 
+# A solve ends its series at LIMIT seconds; all series of a program on a problem share eight times that.
+LIMIT ?= 10
+BENCH := $(BIN)/python -m benchmarks.run --limit $(LIMIT)
+
 bench: $(VENV)/.installed-bench  ## time rfm beside scikit-fem on gmsh meshes
-	$(ONE_THREAD) $(BIN)/python benchmarks/poisson_vs_scikit_fem.py
+	$(BENCH) --programs rfm scikit-fem --name bench
+
+bench-peers: $(STAMP) $(PEERS)/.installed  ## time rfm beside NGSolve, ngsxfem, scikit-fem and nutils: make bench-peers [LIMIT=10]
+	$(BENCH) --peers-python $(PEERS)/bin/python --pages docs
+
+bench-large: $(STAMP)  ## time and memory of rfm up to 1e6 unknowns; takes long
+	$(BENCH) --limit 1000 --large --pages docs
 
 gallery: $(STAMP)  ## render docs/gallery from the cases
 	$(BIN)/python docs/render_gallery.py
@@ -66,6 +77,10 @@ lock:  ## write the locks anew (needs uv)
 	  --constraints requirements.lock \
 	  --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
 	  --custom-compile-command "make lock" --output-file requirements-bench.lock
+	uv pip compile pyproject.toml --extra peers --universal --python-version 3.11 --upgrade --quiet \
+	  --constraints requirements.lock \
+	  --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
+	  --custom-compile-command "make lock" --output-file requirements-peers.lock
 
 clean:  ## remove caches and runs, keep .venv
 	rm -rf runs studies build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
@@ -73,8 +88,8 @@ clean:  ## remove caches and runs, keep .venv
 
 # The environment: made once, made again when the requirements change.
 $(STAMP): pyproject.toml requirements.lock
-	@$(call make_venv)
-	@$(call install,requirements.lock)
+	@$(call make_venv,$(VENV))
+	@$(call install,$(VENV),requirements.lock)
 ifdef UV
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable .
 else
@@ -83,24 +98,30 @@ endif
 	@touch $@
 
 $(VENV)/.installed-bench: $(STAMP) requirements-bench.lock
-	@$(call install,requirements-bench.lock)
+	@$(call install,$(VENV),requirements-bench.lock)
+	@touch $@
+
+# The other programs have an environment of their own, so that none of them reaches the tests.
+$(PEERS)/.installed: requirements-peers.lock
+	@$(call make_venv,$(PEERS))
+	@$(call install,$(PEERS),requirements-peers.lock)
 	@touch $@
 
 define make_venv
-if [ ! -x $(BIN)/python ]; then \
+if [ ! -x $(1)/bin/python ]; then \
   for python in $${PYTHON:-} python3 python3.14 python3.13 python3.12 python3.11; do \
     if "$$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
   done; \
   if [ -z "$$found" ]; then echo "rfm needs Python 3.11 or newer: none found; set PYTHON=/path/to/python3" >&2; exit 1; fi; \
-  echo "setting up $(VENV) with $$("$$found" --version), once; this takes a minute or two"; \
-  if [ -n "$(UV)" ]; then "$(UV)" venv --quiet --seed --python "$$found" $(VENV); else "$$found" -m venv $(VENV); fi || { \
-    rm -rf $(VENV); \
-    echo "could not make $(VENV); on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }; \
+  echo "setting up $(1) with $$("$$found" --version), once; this takes a minute or two"; \
+  if [ -n "$(UV)" ]; then "$(UV)" venv --quiet --seed --python "$$found" $(1); else "$$found" -m venv $(1); fi || { \
+    rm -rf $(1); \
+    echo "could not make $(1); on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }; \
 fi
 endef
 
 ifdef UV
-install = $(UV) pip install --quiet --python $(BIN)/python --require-hashes --requirement $(1)
+install = $(UV) pip install --quiet --python $(1)/bin/python --require-hashes --requirement $(2)
 else
-install = $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement $(1)
+install = $(1)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement $(2)
 endif

@@ -110,6 +110,7 @@ def test_the_locks_cover_what_the_project_asks_for() -> None:
     for lock, asked in (
         ("requirements.lock", [*project["dependencies"], *extras["dev"]]),
         ("requirements-bench.lock", [*project["dependencies"], *extras["bench"]]),
+        ("requirements-peers.lock", [*project["dependencies"], *extras["peers"]]),
     ):
         locked = set(re.findall(r"^([a-z0-9][\w.-]*)==", (ROOT / lock).read_text(), re.MULTILINE))
         missing = [one for one in asked if normalised(one) not in locked]
