@@ -10,6 +10,7 @@ from rfm.geometry.box import Box
 from rfm.geometry.gauss_newton import CONVERGED, nearest_zeros
 from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
+from rfm.geometry.spread import spread
 from rfm.geometry.surface import Surface
 
 SEEDS = 256
@@ -63,19 +64,10 @@ def meeting_points(domain: Shape, a: Part, b: Part, seeds: Array | None = None) 
 
 
 def spread_points(domain: Shape, count: int = SEEDS) -> Array:
-    """Return ``count`` points spread evenly over the domain's box.
-
-    A Kronecker sequence with the generalised golden ratio, the root of r^(d+1) = r + 1 (Roberts 2018).
-    """
+    """Return ``count`` points spread evenly over the domain's box."""
     box = finite_box(domain.box)
-    d = domain.dimension
-    ratio = 1.5
-    for _ in range(32):
-        ratio = (1 + ratio) ** (1 / (d + 1))
-    steps = ratio ** -np.arange(1, d + 1)
-    unit = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
     lower, upper = np.array(box.lower), np.array(box.upper)
-    return np.asarray(lower + unit * (upper - lower))
+    return np.asarray(lower + spread(count, domain.dimension) * (upper - lower))
 
 
 def finite_box(box: Box) -> Box:

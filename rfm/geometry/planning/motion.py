@@ -23,8 +23,9 @@ from rfm.calculus.types import Array, Field, Value
 from rfm.errors import GeometryError
 from rfm.geometry.box import Box
 from rfm.geometry.planning.bounds import upper_bound
-from rfm.geometry.planning.search import SAMPLES, STARTS, Region, monotone_search, spread
+from rfm.geometry.planning.search import SAMPLES, STARTS, Region, monotone_search
 from rfm.geometry.shape import Shape
+from rfm.geometry.spread import spread
 
 Path = Callable[[Value], Sequence[Value]]
 

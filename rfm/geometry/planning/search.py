@@ -24,6 +24,7 @@ from rfm.calculus.r_systems import R0, RSystem
 from rfm.calculus.types import Array, Field, Value
 from rfm.errors import GeometryError
 from rfm.geometry.box import Box
+from rfm.geometry.spread import spread
 
 MOST_CENTRES = 100
 MOST_STEPS = 40
@@ -212,15 +213,6 @@ def hessian_of(jet: Array, n: int) -> Array:
         if len(axes) == 2:
             result[axes[0], axes[1]] = result[axes[1], axes[0]] = value
     return result
-
-
-def spread(count: int, dimension: int) -> Array:
-    """Points (count, dimension) spread evenly over the unit cube, a Kronecker sequence."""
-    ratio = 1.5
-    for _ in range(32):
-        ratio = (1 + ratio) ** (1 / (dimension + 1))
-    steps = ratio ** -np.arange(1.0, dimension + 1)
-    return np.asarray((0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0)
 
 
 def _value(field: Field, point: Array) -> float:
