@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from rfm.calculus.r_systems import RSystem
 from rfm.errors import DiscretizationError
 from rfm.geometry.shape import Shape
+from rfm.geometry.weight import analytic_across
 from solvers.bases.basis import Space
 from solvers.bases.registry import basis
 from solvers.classify import Classification, classify
@@ -86,7 +88,7 @@ def prepare(
         rules = domain_rules(
             domain, classification, inner=points.inner, cut=discretization.quadrature_points or points.cut
         )
-        fitted = points.folded if discretization.moment_fitting else None
+        fitted = points.folded if discretization.moment_fitting and goes_on(domain, discretization) else None
         folded = fold(rules.cut, fitted) if fitted is not None else None
     with watch.phase("assembly"):
 
@@ -103,3 +105,9 @@ def prepare(
     if space.n_dofs == 0:
         raise DiscretizationError("no spline of the grid meets the domain: refine `grid`")
     return Background(grid, classification, rules, folded, space)
+
+
+def goes_on(domain: Shape, discretization: Discretization) -> bool:
+    """Whether the weights are smooth across the boundary, as moment-fitted rules, with nodes outside, need them."""
+    weight = discretization.weight
+    return not isinstance(weight, str | RSystem) or analytic_across(domain, weight)

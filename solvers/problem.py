@@ -256,7 +256,8 @@ class Discretization:
     quadrature_points
         Gauss points a direction in cut cells; p + 3 when absent.
     moment_fitting
-        Fold the rule of each cut cell into a tensor rule of the whole cell.
+        Fold the rule of each cut cell into a tensor rule of the whole cell, unless the weight is known not to go on
+        smoothly across the boundary.
     conditions
         ``natural`` leaves flux conditions to the functional, ``exact`` builds them into the solution structure.
     """

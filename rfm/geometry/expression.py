@@ -67,6 +67,13 @@ class Expression:
             lambda terms: sum(terms, ()),
         )
 
+    def systems(self) -> tuple[RSystem, ...]:
+        """Return the systems that nodes have of their own."""
+        return self.walk(
+            lambda surface, positive: (),
+            lambda node, terms: sum(terms, () if node.system is None else (node.system,)),
+        )
+
     def mapped(self, change: Callable[[Surface], Surface]) -> Expression:
         """Replace every surface; equal surfaces stay equal."""
         table = {surface: change(surface) for surface in self.surfaces()}

@@ -94,6 +94,16 @@ def weight(shape: Shape, part: Part | Iterable[Part], system: Weighting = "auto"
     return _conjunction(factors(shape.expression, wanted, chosen), chosen)
 
 
+def analytic_across(shape: Shape, system: Weighting) -> bool:
+    """Whether the weights of a shape go on smoothly across its boundary, so that nodes outside may be used."""
+    used = list(shape.expression.systems())
+    if isinstance(system, RSystem):
+        used.append(system)
+    elif system not in COMBINATIONS and form(system) is None:
+        used.append(r_system(system))
+    return all(one.analytic_across for one in used)
+
+
 @dataclass(frozen=True, eq=False)
 class Rational:
     """``f / (1 + f / size)``: slope of f at its zeros, below ``size``; needs ``f > -size``."""

@@ -95,3 +95,35 @@ def test_a_function_cannot_hold_slopes() -> None:
     problem = Problem(ONE, Plate(), (Clamped(ONE.part("all")),))
     with pytest.raises(DiscretizationError, match="serves prescribed values, not slopes: give the name"):
         ritz.solve(problem, Discretization(degree=3, grid=8, weight=lambda x, y: 1 - x * x - y * y))
+
+
+def sine(x: Value, y: Value) -> Value:
+    """Solution of Example 4.1."""
+    rho = (x - 0.5) ** 2 + (y - 0.5) ** 2
+    return sin((0.16 - rho) * (0.01 - rho))
+
+
+@pytest.mark.parametrize(
+    ("weight", "k", "grids", "order"),
+    [("r0", 1, (51, 102), 2), ("r0", 2, (51, 102), 3), ("spline3", 3, (51, 102), 4)],
+)
+def test_orders_on_the_annulus_of_example_4_1(
+    weight: str, k: int, grids: tuple[int, ...], order: int
+) -> None:
+    ring = disk((0.5, 0.5), 0.4) - disk((0.5, 0.5), 0.1)
+    problem = Problem(ring, Poisson(source=None), (Dirichlet(ring.part("all"), 0.0),), sine)
+    found = []
+    for grid in grids:
+        solution = ritz.solve(problem, Discretization(degree=k, grid=grid, weight=weight))
+        found.append(error_norms(solution.trial, sine, solution.background).l2)
+    assert np.log2(found[0] / found[1]) == pytest.approx(order, abs=0.2), found
+
+
+def test_weights_that_kink_across_the_boundary_have_positive_rules_only() -> None:
+    """Folded rules have nodes outside; with them the error stalled at 2e-8."""
+    ring = disk((0.5, 0.5), 0.4) - disk((0.5, 0.5), 0.1)
+    problem = Problem(ring, Poisson(source=None), (Dirichlet(ring.part("all"), 0.0),), sine)
+    solution = ritz.solve(problem, Discretization(degree=2, grid=51, weight="spline2"))
+    assert solution.background.folded is None
+    assert error_norms(solution.trial, sine, solution.background).l2 < 2e-8
+    assert ritz.solve(problem, Discretization(degree=2, grid=12, weight="r0")).background.folded is not None

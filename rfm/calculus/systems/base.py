@@ -24,7 +24,14 @@ class RSystem(ABC):
     ----------
     smoothness
         Number of continuous derivatives where the criterion :meth:`kappa` vanishes; elsewhere there are all.
+    analytic_across
+        Whether a composition goes on smoothly across the boundary of its domain, away from corners.
     """
+
+    @property
+    def analytic_across(self) -> bool:
+        """Whether the operations are analytic where one argument vanishes and the other does not."""
+        return True
 
     @property
     def smoothness(self) -> int:

@@ -47,6 +47,11 @@ class RNorm(RSystem):
         if self.p < 1:
             raise GeometryError(f"the system of p-norms needs p >= 1, got {self.p}")
 
+    @property
+    def analytic_across(self) -> bool:
+        """The pieces meet where one argument changes sign."""
+        return False
+
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return the conjunction, or its mirror image."""
         return monotone(self._conjunction, f, g) if sign < 0 else -monotone(self._conjunction, -f, -g)
@@ -78,6 +83,11 @@ class RSum(RSystem):
     def kappa(self, f: Value, g: Value) -> Value:
         """Return (f g)^2: the pieces meet where one argument changes sign."""
         return (f * g) ** 2
+
+    @property
+    def analytic_across(self) -> bool:
+        """The pieces meet where one argument changes sign."""
+        return False
 
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return the formula for two arguments."""

@@ -179,6 +179,11 @@ class RSpline(RSystem):
         result: Array = matrix @ self.bezier @ matrix.T
         return result
 
+    @property
+    def analytic_across(self) -> bool:
+        """The pieces meet where one argument changes sign."""
+        return False
+
     def pair(self, f: Value, g: Value, sign: float) -> Value:
         """Return B r(f/B, g/B), or the disjunction by De Morgan's law."""
         if sign < 0 and self.bound == 1.0:
