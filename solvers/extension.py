@@ -27,6 +27,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,16 @@ class Extension:
     outer: Indices
     sources: Indices
     coefficients: Array
+
+    def matrix(self, size: int) -> Any:
+        """Sparse matrix E, shape (free coefficients, `size` of the full array): full = E^T c."""
+        from scipy.sparse import csr_array
+
+        count, width = len(self.dofs), self.sources.shape[1]
+        rows = np.concatenate([np.arange(count), self.sources.ravel()])
+        columns = np.concatenate([self.dofs, np.repeat(self.outer, width)])
+        entries = np.concatenate([np.ones(count), self.coefficients.ravel()])
+        return csr_array((entries, (rows, columns)), shape=(count, size))
 
 
 def touched(cells: Mask, degree: int) -> Mask:

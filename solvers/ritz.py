@@ -18,6 +18,7 @@ from solvers import pipeline
 from solvers.boundary import natural_density
 from solvers.equations.density import QuadraticDensity
 from solvers.linear.choice import METHODS
+from solvers.linear.lattice import lattice_of
 from solvers.problem import Condition, Dirichlet, Discretization, Problem, SolverOptions
 from solvers.solution import Solution
 from solvers.stopwatch import Listener, Stopwatch
@@ -78,7 +79,8 @@ class Ritz:
 
     def system(self, assembly: pipeline.Assembly, watch: Stopwatch) -> EnergySystem:
         """Matrix and load of the energy."""
-        return EnergySystem(*assembly.run(watch))
+        matrix, load = assembly.run(watch)
+        return EnergySystem(matrix, load, lattice_of(assembly.assembler.spaces))
 
 
 def solve(

@@ -13,6 +13,7 @@ from solvers.linear import LinearSolution
 from solvers.linear import solve as solve_linear
 from solvers.linear.condition import condition_number, factorise
 from solvers.linear.direct import refine
+from solvers.linear.lattice import Lattice
 from solvers.linear.least_squares import Overdetermined, solve_by_qr, work_of_qr
 from solvers.linear.nonsymmetric import solve as solve_nonsymmetric
 from solvers.linear.overlapping import solve_reporting
@@ -44,6 +45,8 @@ class EnergySystem:
 
     matrix: Any
     load: Array
+    lattice: Lattice | None = None
+    """Where the unknowns of each component sit, for splines that share one grid."""
 
     def solve(self, options: SolverOptions, kernel: Kernel | None) -> LinearSolution:
         """Solve for the minimum; where there is a kernel, on its complement.
@@ -60,6 +63,7 @@ class EnergySystem:
             method=chosen(options),
             tolerance=options.tolerance,
             null_space=None if kernel is None else kernel.vectors,
+            lattice=self.lattice,
         )
 
     def solve_reporting(self, options: SolverOptions, dimension: int) -> LinearSolution:

@@ -57,11 +57,14 @@ class SplineSpace:
         Background grid and degree p.
     free
         Which coefficients are unknowns, and how the other relevant ones follow from them.
+    periodic
+        Whether coefficients one period apart are one unknown.
     """
 
     grid: Grid
     degree: int
     free: Extension
+    periodic: bool = False
 
     @staticmethod
     def build(
@@ -110,7 +113,7 @@ class SplineSpace:
         if not inside.any() and basis == "web-spline":
             raise DiscretizationError(_too_coarse(inside.shape, degree, finer))
         if wraps:
-            return SplineSpace(grid, degree, wrapped(inside, active, degree, wraps, basis))
+            return SplineSpace(grid, degree, wrapped(inside, active, degree, wraps, basis), True)
         relevant = touched(active, degree)
         return SplineSpace(grid, degree, EXTENSIONS[basis](touched(inside, degree), relevant, degree))
 
@@ -166,13 +169,7 @@ class SplineSpace:
     @cached_property
     def extension(self) -> Any:
         """The extension as a sparse matrix E, shape (n_dofs, size of the full array): full = E^T c."""
-        from scipy.sparse import csr_array
-
-        free, width = self.free, self.free.sources.shape[1]
-        rows = np.concatenate([np.arange(self.n_dofs), free.sources.ravel()])
-        columns = np.concatenate([free.dofs, np.repeat(free.outer, width)])
-        entries = np.concatenate([np.ones(self.n_dofs), free.coefficients.ravel()])
-        return csr_array((entries, (rows, columns)), shape=(self.n_dofs, int(np.prod(self.shape))))
+        return self.free.matrix(int(np.prod(self.shape)))
 
     def full_coefficients(self, coefficients: Array) -> Array:
         """Full tensor array of B-spline coefficients of the spline with the given unknowns."""

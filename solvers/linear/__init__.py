@@ -12,7 +12,7 @@ and of all solutions the one orthogonal to the null space is returned.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,9 @@ from rfm.calculus.types import Array
 from rfm.errors import NumericsError
 from solvers.linear.choice import METHODS, Candidate, choose
 from solvers.linear.system import NotConverged, ScaledSystem
+
+if TYPE_CHECKING:
+    from solvers.linear.lattice import Lattice
 
 __all__ = ["METHODS", "LinearSolution", "solve"]
 
@@ -64,6 +67,7 @@ def solve(
     method: str = "auto",
     tolerance: float = 1e-12,
     null_space: ArrayLike | None = None,
+    lattice: Lattice | None = None,
 ) -> LinearSolution:
     """Solve ``A x = b``.
 
@@ -79,13 +83,15 @@ def solve(
         Relative residual at which iterative methods stop and direct ones need no refinement.
     null_space
         Vectors (n,) or (n, k) that span the null space, when the matrix has one.
+    lattice
+        Where the unknowns sit, if they are coefficients of splines on a grid; multigrid needs it.
 
     Raises
     ------
     NumericsError
         Unknown method, numbers that are not finite, a matrix that is singular or indefinite, no convergence.
     """
-    system = ScaledSystem.of(matrix, np.asarray(load, dtype=float), null_space)
+    system = ScaledSystem.of(matrix, np.asarray(load, dtype=float), null_space, lattice)
     if method == "auto":
         candidates = choose(system)
     elif method in METHODS:

@@ -15,6 +15,7 @@ from typing import Protocol
 from rfm.calculus.types import Array
 from solvers.linear.direct import DenseCholesky, Pardiso, SuperLU
 from solvers.linear.iterative import ConjugateGradients, Multigrid
+from solvers.linear.multigrid import GeometricMultigrid
 from solvers.linear.pivoted import PivotedCholesky
 from solvers.linear.system import ScaledSystem
 
@@ -53,6 +54,7 @@ METHODS: dict[str, Method] = {
     "superlu": SuperLU(),
     "pardiso": Pardiso(),
     "cg": ConjugateGradients(),
+    "multigrid": GeometricMultigrid(),
     "amg": Multigrid(),
 }
 

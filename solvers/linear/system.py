@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError
+
+if TYPE_CHECKING:
+    from solvers.linear.lattice import Lattice
 
 INDEFINITE = (
     "the matrix is not positive definite ({why}): the energy of some field is negative or not resolved; raise "
@@ -50,6 +53,8 @@ class ScaledSystem:
         Orthonormal null vectors of the scaled matrix, shape (n, k); k may be 0.
     null_original
         Orthonormal null vectors of A.
+    lattice
+        Where the unknowns of each component sit, if they are coefficients of splines on a grid.
     """
 
     original: Any
@@ -57,9 +62,12 @@ class ScaledSystem:
     scale: Array
     null: Array
     null_original: Array
+    lattice: Lattice | None = None
 
     @staticmethod
-    def of(matrix: Any, load: Array, null_space: ArrayLike | None = None) -> ScaledSystem:
+    def of(
+        matrix: Any, load: Array, null_space: ArrayLike | None = None, lattice: Lattice | None = None
+    ) -> ScaledSystem:
         """Check and scale a system.
 
         Raises
@@ -96,7 +104,7 @@ class ScaledSystem:
         null_original = np.linalg.qr(vectors)[0]
         null = np.linalg.qr(vectors / scale[:, None])[0]
         projected = load - null_original @ (null_original.T @ load)
-        return ScaledSystem(matrix, projected, scale, null, null_original)
+        return ScaledSystem(matrix, projected, scale, null, null_original, lattice)
 
     @property
     def sparse(self) -> bool:

@@ -33,7 +33,7 @@ BASES = {
 """Lowest and highest degree of each basis."""
 HIGHEST = max(highest for _, highest in BASES.values())
 METHODS = ("ritz", "least-squares", "galerkin", "collocation")
-LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "amg", "qr", "gmres")
+LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "multigrid", "amg", "qr", "gmres")
 CONDITIONS = ("natural", "exact")
 DEFAULT_GRID = 32
 

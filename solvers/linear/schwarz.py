@@ -1,0 +1,109 @@
+r"""Additive Schwarz blocks: what takes the place of the diagonal in a smoother for splines of high degree.
+
+B-splines of degree p are ill-conditioned as a basis, as :math:`4^{pd}`, and the smooth fields among the badly
+scaled ones are not what a coarse grid sees.  All of it is local: exact solutions on tiles that overlap,
+
+.. math:: B = W \sum_k R_k^T (R_k A R_k^T)^{-1} R_k\, W, \qquad W = \text{(number of tiles an unknown is in)}^{-1/2},
+
+do away with it (de la Riva, Rodrigo, Gaspar, SIAM J. Sci. Comput. 41, 2019, multiplicative; de Prenter, Verhoosel, van
+Brummelen, CMAME 358, 2019, for splines cut by a boundary).  The tiles are boxes of indices, the same all over; at
+the boundary they hold the unknowns that are there, whatever their weight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rfm.calculus.types import Array
+from solvers.extension import Indices
+from solvers.linear.lattice import Lattice
+
+WORK = 1_000_000
+"""Entries of tiles gathered at a time."""
+CLASSES = 8
+"""Sizes, at most, that tiles are padded to."""
+
+
+@dataclass(frozen=True, eq=False)
+class Schwarz:
+    """Inverses of the diagonal blocks of a matrix on overlapping tiles.
+
+    Attributes
+    ----------
+    groups
+        Tiles of equal size: their unknowns (t, m), padded with n, and the inverses (t, m, m).
+    weight
+        W, with a zero appended for the padding.
+    """
+
+    groups: tuple[tuple[Indices, Array], ...]
+    weight: Array
+
+    @staticmethod
+    def of(matrix: Any, tiles: Indices) -> Schwarz:
+        """Blocks of a CSR matrix on `tiles`, shape (t, m), filled up with -1."""
+        n = matrix.shape[0]
+        weight = np.append(np.bincount(tiles[tiles >= 0], minlength=n) ** -0.5, 0.0)
+        tiles = -np.sort(-tiles, axis=1)  # padding last
+        count = (tiles >= 0).sum(axis=1)
+        step = -(-tiles.shape[1] // CLASSES)
+        size = np.minimum(-(-count // step) * step, tiles.shape[1])
+        groups = []
+        for width in np.unique(size):
+            members = tiles[size == width, :width]
+            groups.append((np.where(members < 0, n, members), inverses(matrix, members)))
+        return Schwarz(tuple(groups), weight)
+
+    def __call__(self, vector: Array) -> Array:
+        """B times `vector`."""
+        source = np.append(vector, 0.0) * self.weight
+        result = np.zeros_like(source)
+        for members, blocks in self.groups:
+            part = np.matmul(blocks, source[members][:, :, None])
+            result += np.bincount(members.ravel(), part.ravel(), minlength=len(result))
+        result *= self.weight
+        return result[:-1]
+
+
+def inverses(matrix: Any, tiles: Indices) -> Array:
+    """Inverses of the diagonal blocks of a matrix, each padded with the identity where the tile has -1."""
+    width = tiles.shape[1]
+    result = np.empty((len(tiles), width, width))
+    step = max(1, WORK // width**2)
+    for start in range(0, len(tiles), step):
+        piece = tiles[start : start + step]
+        where = np.maximum(piece, 0)
+        shape = (len(piece), width, width)
+        rows, columns = (
+            np.broadcast_to(a, shape).ravel() for a in (where[:, :, None], where[:, None, :])
+        )
+        blocks = np.asarray(matrix[rows, columns]).reshape(shape)
+        absent = piece < 0
+        blocks[absent[:, :, None] | absent[:, None, :]] = 0.0
+        tile, position = np.nonzero(absent)
+        blocks[tile, position, position] = 1.0
+        found = np.linalg.inv(blocks)
+        result[start : start + step] = 0.5 * (found + found.transpose(0, 2, 1))
+    return result
+
+
+def tiled(lattice: Lattice, edge: int, stride: int) -> Indices:
+    """Boxes of ``edge^d`` indices every `stride` indices.
+
+    Returns
+    -------
+    ndarray, shape (t, edge^d)
+        Numbers of the unknowns in each box that has any, -1 where the box has none.
+    """
+    dimension = len(lattice.shape)
+    padded = np.pad(lattice.numbers, edge, constant_values=-1)
+    strides = np.array(padded.strides) // padded.itemsize
+    # the first box begins before the first index, so that all indices are in equally many boxes
+    starts = np.meshgrid(*(np.arange(stride, n + edge, stride) for n in lattice.shape), indexing="ij")
+    corner = strides @ np.stack([s.ravel() for s in starts])
+    local = strides @ np.indices((edge,) * dimension).reshape(dimension, -1)
+    boxes = padded.ravel()[corner[:, None] + local]
+    return np.asarray(boxes[(boxes >= 0).any(axis=1)], dtype=np.intp)
