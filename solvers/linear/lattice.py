@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from solvers.bases.basis import Space
-from solvers.extension import Extension, Indices, extend, full_arrays, touched
+from solvers.extension import Extension, Indices, Mask, extend, full_arrays, touched
 from solvers.web import SplineSpace
 
 
@@ -77,7 +77,8 @@ class Lattice:
         padded = np.zeros(tuple(2 * n for n in cells), dtype=bool)
         padded[tuple(slice(0, n) for n in fine.shape)] = fine
         paired = padded.reshape([m for n in cells for m in (n, 2)])
-        inner = touched(paired.all(axis=tuple(range(1, 2 * len(cells), 2))), p)
+        whole: Mask = np.logical_and.reduce(paired, axis=tuple(range(1, 2 * len(cells), 2)))
+        inner = touched(whole, p)
         scale = self._two_scale(inner.shape)
         seen = np.bincount(scale.indices, scale.data, minlength=inner.size).reshape(inner.shape) > 0
         free = extend(inner, seen, p)
@@ -115,4 +116,3 @@ def lattice_of(spaces: Sequence[Space]) -> Lattice | None:
     if not isinstance(first, SplineSpace) or first.periodic or any(space is not first for space in spaces):
         return None
     return Lattice(first.shape, first.degree, first.free)
-

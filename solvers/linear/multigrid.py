@@ -2,9 +2,10 @@ r"""Conjugate gradients with geometric multigrid on the two-scale relation of sp
 
 One V-cycle: a smoothing step, the correction of the coarser lattice (:mod:`solvers.linear.lattice`), the same
 smoothing step again.  A step is Chebyshev's iteration of degree 2 for :math:`B A` on the upper part
-:math:`[\lambda/10, \lambda]` of its spectrum (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188, 2003); B is the identity for
-p <= 2, all matrices being scaled to a unit diagonal, and the additive Schwarz method of :mod:`solvers.linear.schwarz`
-above.  The diagonal scaling also holds the weight: near the boundary an entry has the size of the weight's square.
+:math:`[\lambda/10, \lambda]` of its spectrum (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188, 2003); B is the
+identity for p <= 2, all matrices being scaled to a unit diagonal, and the additive Schwarz method of
+:mod:`solvers.linear.schwarz` above.  The diagonal scaling also holds the weight: near the boundary an entry has the
+size of the weight's square.
 
 Iterations do not depend on the grid, and little on the degree (docs/spaces.md).
 """
@@ -115,8 +116,10 @@ def smoother(matrix: Any, lattice: Lattice, components: int) -> Callable[[Array,
 
 
 def tiling(degree: int, dimension: int) -> tuple[int, int]:
-    """Edge and distance of the tiles: what overlaps more needs more memory than the matrix in space."""
-    return (2 * degree if dimension == 2 and degree > 4 else degree + 2), degree
+    """Edge and distance of the tiles: the more they overlap, the fewer the iterations, and the more memory."""
+    if degree <= 4:
+        return degree + 2, degree
+    return (8, 4) if dimension == 3 else (2 * degree, degree)
 
 
 def chebyshev(matrix: Any, block: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:

@@ -1,0 +1,209 @@
+"""Multigrid on the two-scale relation: exact prolongation, iterations that neither the grid nor the degree raises."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+
+from rfm.errors import NumericsError
+from rfm.geometry.primitives import disk
+from solvers import pipeline
+from solvers.assembly import Assembler
+from solvers.equations.elasticity import Elasticity
+from solvers.evaluation import evaluate
+from solvers.grid import Grid
+from solvers.linear import solve
+from solvers.linear.choice import choose
+from solvers.linear.lattice import lattice_of
+from solvers.linear.multigrid import hierarchy
+from solvers.linear.schwarz import Schwarz, tiled
+from solvers.linear.system import ScaledSystem
+from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
+from solvers.quadrature.batch import PointBatch
+from solvers.ritz import Ritz
+from solvers.web import SplineSpace
+from tests.solvers.methods_problems import dirichlet, mixed, on_the_ball
+from tests.solvers.synthetic import ball_states, full_states, gauss_batch, to_array, unit_grid
+from tests.solvers.test_linear import neumann
+
+MULTIGRID = SolverOptions(linear="multigrid", tolerance=1e-11)
+
+
+def iterations(problem, degree, grid, options=MULTIGRID, **more):
+    found = pipeline.solve(problem, Discretization(degree=degree, grid=grid, **more), Ritz(), options)
+    assert found.linear.method == "multigrid"
+    assert found.linear.residual < 1e-10
+    return found.linear.iterations
+
+
+def space_of(states, degree, *cells):
+    grid = unit_grid(*cells)
+    return SplineSpace.build(grid, degree, states(grid))
+
+
+@given(
+    degree=st.integers(1, 6),
+    cells=st.lists(st.integers(9, 14), min_size=1, max_size=2),
+    seed=st.integers(0, 99),
+)
+@settings(deadline=None, max_examples=25)
+def test_a_coarse_spline_on_the_whole_box_is_a_fine_one(degree, cells, seed):
+    cells = [2 * (n // 2) for n in cells]
+    space = space_of(full_states, degree, *cells)
+    lattice = lattice_of([space])
+    coarse, prolongation = lattice.coarser()
+    grid = Grid(space.grid.lower, 2 * space.grid.spacing, space.grid.cells // 2)
+    half = SplineSpace.build(grid, degree, full_states(grid))
+    assert coarse.size == half.n_dofs
+    unknowns = np.random.default_rng(seed).standard_normal(half.n_dofs)
+    points = np.random.default_rng(seed).uniform(0, 1, (50, len(cells))) * space.grid.upper
+    np.testing.assert_allclose(
+        values(space, prolongation @ unknowns, points), values(half, unknowns, points), atol=1e-12
+    )
+
+
+def values(space, unknowns, points):
+    cells, unit = space.grid.locate(points)
+    batch = PointBatch(cells, unit[:, None, :], np.ones((len(points), 1)))
+    return evaluate(space.full_coefficients(unknowns), space.grid, space.degree, batch)[0]
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+@pytest.mark.parametrize("cells", [(24, 24), (25, 23), (20, 19, 20)])
+def test_polynomials_are_carried_over_to_the_boundary(degree, cells):
+    """Affine functions as unknowns of both lattices: their values at the middles of the supports."""
+    space = space_of(ball_states, degree, *cells)
+    lattice = lattice_of([space])
+    coarse, prolongation = lattice.coarser()
+    index = np.unravel_index(coarse.free.dofs, coarse.shape)
+    middles = [
+        space.grid.lower[a] + 2 * h * (i + (1 - degree) / 2)
+        for a, (h, i) in enumerate(zip(space.grid.spacing, index, strict=True))
+    ]
+    slope = np.arange(1.0, len(cells) + 1)
+    affine = 0.3 + sum(s * m for s, m in zip(slope, middles, strict=True))
+    np.testing.assert_allclose(prolongation @ affine, space.affine(0.3, slope), atol=1e-9)
+    assert coarse.size < lattice.size / 2
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_iterations_do_not_depend_on_the_grid(degree):
+    counts = [iterations(dirichlet(), degree, grid) for grid in (16, 32, 64)]
+    assert max(counts) <= 11
+    assert counts[2] <= 1.3 * counts[1]
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4, 5, 6])
+def test_iterations_hardly_depend_on_the_degree(degree):
+    """Jacobi's preconditioner needs 43, 55, 123, 301 and over 800."""
+    assert iterations(dirichlet(), degree, 32) <= 12
+
+
+@pytest.mark.parametrize(("degree", "grid", "most"), [(2, 10, 18), (2, 20, 18), (3, 10, 13), (4, 9, 24)])
+def test_iterations_in_space(degree, grid, most):
+    assert iterations(on_the_ball(), degree, grid) <= most
+
+
+@pytest.mark.parametrize(("degree", "basis"), [(2, "web-spline"), (4, "web-spline"), (2, "b-spline")])
+def test_the_solution_is_that_of_a_factorisation(degree, basis):
+    discretization = Discretization(degree=degree, grid=20, basis=basis)
+    found, direct = (
+        pipeline.solve(dirichlet(), discretization, Ritz(), SolverOptions(linear=name)).linear
+        for name in ("multigrid", "dense")
+    )
+    np.testing.assert_allclose(found.x, direct.x, atol=1e-9 * np.abs(direct.x).max())
+    assert found.iterations <= 20
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_flux_conditions_only(degree):
+    """The matrix has a null space on every level."""
+    matrix, load = neumann(24, degree)
+    grid = unit_grid(24, 24)
+    lattice = lattice_of([SplineSpace.build(grid, degree, full_states(grid))])
+    found = solve(matrix, load, "multigrid", 1e-11, np.ones(len(load)), lattice)
+    np.testing.assert_allclose(to_array(matrix) @ found.x, load, atol=1e-9 * np.abs(load).max())
+    np.testing.assert_allclose(found.x.sum(), 0.0, atol=1e-10 * np.abs(found.x).sum())
+    assert found.iterations <= 14
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_elastic_bodies(degree):
+    """Each component has a lattice of its own, and they share the tiles' places, not the tiles."""
+    body = disk(center=(0.5, 0.5), radius=0.4).named("disk")
+    problem = Problem(body, Elasticity(body_force=(1.0, 2.0)), (Dirichlet(body.part("all"), 0.0),))
+    counts = [iterations(problem, degree, grid) for grid in (16, 32)]
+    assert max(counts) <= 20
+
+
+def test_flux_on_a_part_of_the_boundary():
+    """Next to that part the weight does not vanish."""
+    assert iterations(mixed(), 3, 12) <= 15
+
+
+def test_schwarz_blocks_are_symmetric_and_solve_for_tiles():
+    space = space_of(ball_states, 3, 12, 12)
+    matrix, _ = system_of(space)
+    tiles = tiled(lattice_of([space]), 5, 3)
+    covered = np.bincount(tiles[tiles >= 0], minlength=space.n_dofs)
+    assert covered.min() >= 1
+    block = Schwarz.of(matrix, tiles)
+    applied = np.stack([block(e) for e in np.eye(space.n_dofs)])
+    np.testing.assert_allclose(applied, applied.T, atol=1e-12)
+    expected = np.zeros_like(applied)
+    for tile in tiles:
+        k = tile[tile >= 0]
+        expected[np.ix_(k, k)] += np.linalg.inv(to_array(matrix)[np.ix_(k, k)])
+    expected *= np.outer(covered, covered) ** -0.5
+    np.testing.assert_allclose(applied, expected, rtol=1e-4, atol=1e-5)
+
+
+def system_of(space):
+    """Mass and stiffness of the inner cells, as a sparse matrix with a load."""
+    assembler = Assembler(space)
+    batch = gauss_batch(space.grid, np.argwhere(ball_states(space.grid).state == 1), space.degree + 1)
+    w = batch.weights
+    assembler.add(batch, {(0, 0): w, (1, 1): w, (2, 2): w}, {0: w})
+    matrix, load = assembler.finish()
+    return csr_array(matrix), load
+
+
+def test_levels_have_unit_diagonals_and_end_small():
+    space = space_of(ball_states, 2, 50, 50)
+    matrix, load = system_of(space)
+    levels, _ = hierarchy(ScaledSystem.of(matrix, load, lattice=lattice_of([space])), lattice_of([space]))
+    assert len(levels) == 2
+    for level in levels:
+        np.testing.assert_allclose(level.matrix.diagonal(), 1.0)
+    assert levels[-1].prolongation.shape[1] <= 300
+
+
+def test_without_a_lattice_it_is_refused():
+    message = r"multigrid needs one grid of splines.*choose auto"
+    with pytest.raises(NumericsError, match=message):
+        solve(np.eye(3), np.ones(3), "multigrid")
+    with pytest.raises(NumericsError, match=message):
+        iterations(dirichlet(), 6, 8, basis="legendre")
+
+
+def test_what_has_no_lattice():
+    space, other = (space_of(ball_states, degree, 12, 12) for degree in (2, 3))
+    assert lattice_of([space, space]).size == space.n_dofs
+    assert lattice_of([space, other]) is None
+    grid = unit_grid(12, 12)
+    assert lattice_of([SplineSpace.build(grid, 2, full_states(grid), wraps={0: 1.0})]) is None
+
+
+def test_automatic_choice_of_high_degree():
+    options = SolverOptions(tolerance=1e-11)
+    found = pipeline.solve(dirichlet(), Discretization(degree=5, grid=48), Ritz(), options).linear
+    assert found.method == "multigrid"
+    assert "splines of degree 5" in found.reason
+    space = space_of(ball_states, 3, 40, 40)
+    matrix, load = system_of(space)
+    names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice_of([space])))]
+    assert names[:2] == ["cg", "multigrid"]
+    assert "amg" not in names
