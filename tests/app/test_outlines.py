@@ -49,7 +49,6 @@ def test_what_they_become() -> None:
 @pytest.mark.parametrize(
     ("kind", "arguments", "message"),
     [
-        ("outline", {"vertices": BAR}, "outline: the key 'arcs' is missing"),
         (
             "outline",
             {"vertices": BAR, "arcs": {"edge9": {"bulge": 1}}},

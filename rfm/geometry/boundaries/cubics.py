@@ -33,6 +33,9 @@ from rfm.geometry.boundaries.pieces import Curves, dot
 
 ROOT = np.sqrt(2.0)
 
+DOUBLE_POINT = 1e-200
+"""Only felt where F and its gradient vanish together: the function is zero there, not undefined."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cubics(Curves):
@@ -58,7 +61,7 @@ class Cubics(Curves):
         offsets = self._offsets(coords)
         x, y = (dot(offsets, self.frame[:, k].T) * (1.0 / size) for k in (0, 1))
         value, slope = self._carrier(x, y)
-        f = value / sqrt(value * value + dot(slope, slope)) * (size * self.sense)
+        f = value / sqrt(value * value + dot(slope, slope) + DOUBLE_POINT) * (size * self.sense)
         t = _lens(x, y, self.cotangent) * size
         if len(coords) == 2:
             return trimmed_carrier(f, t, size)
