@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -178,7 +179,7 @@ def plot(rows: Sequence[Row], problem: str, path: Path) -> None:
         right.loglog([r.unknowns for r in mine], [r.error for r in mine], ".", ms=4, color=color, alpha=0.6)
     for axes, label in ((left, "seconds"), (right, "unknowns")):
         axes.set_xlabel(label)
-        axes.grid(True, which="major", lw=0.4, alpha=0.6)
+        whole_decades(axes)
     left.set_ylim(1e-10, 1)
     left.set_ylabel("relative L2 error")
     left.legend(fontsize=7, frameon=False, loc="lower left")
@@ -206,19 +207,31 @@ def plot_growth(rows: Sequence[Row], path: Path) -> None:
     for axes, label in ((left, "seconds"), (right, "MB")):
         axes.set_xlabel("unknowns")
         axes.set_ylabel(label)
-        axes.grid(True, which="major", lw=0.4, alpha=0.6)
+        whole_decades(axes)
+        axes.set_ylim(*decades(axes.get_ylim()))
     left.legend(fontsize=7, frameon=False)
     figure.savefig(path, dpi=100)
     plt.close(figure)
     quantise(path)
 
 
+def decades(limits: tuple[float, float]) -> tuple[float, float]:
+    """Powers of ten around an interval."""
+    return 10.0 ** math.floor(math.log10(limits[0])), 10.0 ** math.ceil(math.log10(limits[1]))
+
+
+def whole_decades(axes: Any) -> None:
+    """Let the horizontal axis begin and end at powers of ten, and draw those only."""
+    axes.set_xlim(*decades(axes.get_xlim()))
+    axes.grid(True, which="major", lw=0.4, alpha=0.6)
+
+
 def quantise(path: Path) -> None:
-    """Make a picture small: 48 colors are enough for lines."""
+    """Make a picture small; the colors of thin lines are kept."""
     from PIL import Image
 
     with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(48)
+        small = picture.convert("RGB").quantize(128, method=Image.Quantize.MAXCOVERAGE)
     small.save(path, optimize=True)
 
 
@@ -268,6 +281,17 @@ def machine(content: Mapping[str, Any]) -> str:
     return f"{host}, limit {settings['limit']:g} s; {listed}. {settings['remark']}".strip()
 
 
+def ended_early(notes: Iterable[str]) -> list[str]:
+    """List by problem and program of the series that time ended."""
+    found: dict[str, list[str]] = {}
+    for note in notes:
+        place, program, rest = note.rsplit("|", 2)
+        if "budget" in rest or "not done" in rest:
+            found.setdefault(f"{place}, {program}", []).append(rest.partition(": ")[0].partition(", {")[0])
+    lines = [f"- {place}: {'; '.join(dict.fromkeys(series))}" for place, series in found.items()]
+    return ["Series that were ended by time, some before their first solve:\n", *lines, ""] if lines else []
+
+
 def write(results: Path, pages: Path) -> None:
     """Write the page and its plots from the files of results that are there."""
     text = [HEAD]
@@ -285,9 +309,7 @@ def write(results: Path, pages: Path) -> None:
                 text += [
                     f"![{problem.name}: error over seconds and over unknowns](pictures/{picture.name})\n"
                 ]
-        left_out = [note for note in content["notes"] if "budget" in note or "not done" in note]
-        if left_out:
-            text += ["Series ended early:\n", *(f"- {note}" for note in left_out), ""]
+        text += ended_early(content["notes"])
     if (results / "large.json").exists():
         rows, content = load(results / "large.json")
         picture = pictures / "benchmark_growth.png"

@@ -14,6 +14,7 @@ import os
 import platform
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -61,15 +62,19 @@ def environment() -> dict[str, str]:
 def lines(python: str, program: str, problem: str, options: list[str]) -> Iterator[dict[str, Any]]:
     """What a worker says, as it says it; a last note when it failed."""
     command = [python, "-m", "benchmarks.worker", program, problem, *options]
-    with subprocess.Popen(
-        command, cwd=ROOT, env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as worker:
+    with (
+        tempfile.TemporaryFile("w+") as errors,  # not a pipe: warnings would fill it
+        subprocess.Popen(
+            command, cwd=ROOT, env=environment(), text=True, stdout=subprocess.PIPE, stderr=errors
+        ) as worker,
+    ):
         assert worker.stdout is not None
-        assert worker.stderr is not None
         for line in worker.stdout:
             if line.startswith("{"):  # programs greet on the same stream
                 yield json.loads(line)
-        complaint = worker.stderr.read().strip().splitlines()
+        worker.wait()
+        errors.seek(0)
+        complaint = errors.read().strip().splitlines()
     if worker.returncode:
         yield {"note": complaint[-1] if complaint else f"exit code {worker.returncode}"}
 
@@ -95,7 +100,7 @@ def collect(record: Record, python: str, program: str, problem: str, options: li
         elif "versions" in line:
             record.versions[program] = line["versions"]
         else:
-            record.notes.append(f"{problem}, {program}: {line['note']}")
+            record.notes.append(f"{problem}|{program}|{line['note']}")
             print(f"  {line['note']}", flush=True)
 
 

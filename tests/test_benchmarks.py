@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -226,11 +227,16 @@ def test_a_series_ends_with_the_budget() -> None:
     assert list(found) == ["s: ended by the budget"]
 
 
+def test_a_worker_that_cannot_start_leaves_a_note() -> None:
+    (line,) = run.lines(sys.executable, "abacus", "annulus", ["1", "1"])
+    assert line == {"note": "KeyError: 'abacus'"}
+
+
 def test_a_page_is_written_from_the_results(tmp_path: Path) -> None:
     peers = run.Record({"system": "S", "cores": 2, "threads": 2, "limit": 1.0, "remark": "Idle."})
     peers.versions = {"rfm": {"rfm": "1"}}
     peers.rows = [row(1e-3, 0.1, 100), row(1e-9, 0.4, 1600), row(1e-5, 0.8, 8000, "b", "NGSolve")]
-    peers.notes = ["annulus, nutils: p=2: ended by the budget"]
+    peers.notes = ["annulus|nutils|p=2: ended by the budget", "annulus|nutils|p=3, {}: not done after 3 s"]
     peers.write(tmp_path / "peers.json")
     large = run.Record(peers.settings, {})
     large.rows = [row(1e-3, float(n), n, "p=2", "rfm, large") for n in (10**4, 10**5)]
@@ -244,7 +250,7 @@ def test_a_page_is_written_from_the_results(tmp_path: Path) -> None:
         in text
     )
     assert "| annulus | 0.16 of NGSolve, unknowns 1/50 | only rfm | only rfm |" in text
-    assert "- annulus, nutils: p=2: ended by the budget" in text
+    assert "- annulus, nutils: p=2; p=3\n" in text
     assert "S, 2 cores, 2 threads, limit 1 s; rfm 1. Idle." in text
     for picture in ("benchmark_annulus.png", "benchmark_growth.png"):
         assert f"(pictures/{picture})" in text
