@@ -3,8 +3,8 @@
 The choice is a list of methods to try in turn. Conjugate gradients come first on a sparse matrix: on WEB systems of
 low degree they beat every factorisation, and when the condition number is too large for them, the steps they
 were allowed have cost a fraction of what follows: geometric multigrid for splines on a grid, which costs as much as
-some 200 steps up to degree 2 and 500 above, algebraic multigrid or a factorisation otherwise. Splines of high degree
-(5 in 2D, 4 in 3D) start with multigrid. Times on one core: 5016 unknowns of degree 2 in
+some 200 steps for low degrees and 500 for high ones, algebraic multigrid or a factorisation otherwise. Splines of high
+degree (5 in 2D, 4 in 3D) or on a fine grid start with multigrid. Times on one core: 5016 unknowns of degree 2 in
 3D, 0.11 s against 0.18 (multigrid), 1.6 (SuperLU), 3.4 (dense); 1792 of degree 4 in 3D, 1.2 s against 0.19 (dense)
 and 1.1 (SuperLU).
 """
@@ -34,6 +34,8 @@ LOW_DEGREE_ROW = 160
 """Entries a row up to which multigrid is robust: degree 6 in 2D, but 2 in 3D."""
 TRIAL = (60, 400)
 """Fewest and most steps that conjugate gradients are allowed before a factorisation."""
+FINE = 150
+"""Indices along an axis above which Jacobi's preconditioner needs more steps than multigrid costs."""
 CYCLES = 100
 """Cycles that multigrid is allowed before a factorisation."""
 
@@ -83,7 +85,8 @@ def choose(system: ScaledSystem) -> list[Candidate]:
     if system.lattice is not None:
         if hard(system.lattice):
             found = []
-            reason = f"{size}, splines of degree {system.lattice.degree}: too many steps otherwise"
+            shape = "x".join(map(str, system.lattice.shape))
+            reason = f"{size}, {shape} splines of degree {system.lattice.degree}: too many steps otherwise"
         found.append(Candidate("multigrid", GeometricMultigrid(CYCLES), reason))
     elif entries / n <= LOW_DEGREE_ROW:
         found.append(Candidate("amg", Multigrid(CYCLES), reason))
@@ -95,8 +98,8 @@ def choose(system: ScaledSystem) -> list[Candidate]:
 
 
 def hard(lattice: Lattice) -> bool:
-    """Whether the diagonal is no preconditioner for splines of this degree: hundreds of steps on any grid."""
-    return lattice.degree + len(lattice.shape) > 6
+    """Whether the diagonal is a poor preconditioner for splines of this degree or on this grid."""
+    return lattice.degree + len(lattice.shape) > 6 or max(lattice.shape) > FINE
 
 
 def _factorisation(n: int, entries: int, size: str) -> tuple[float, Candidate | None]:

@@ -1,11 +1,10 @@
 r"""Conjugate gradients with geometric multigrid on the two-scale relation of splines.
 
 One V-cycle: a smoothing step, the correction of the coarser lattice (:mod:`solvers.linear.lattice`), the same
-smoothing step again.  A step is Chebyshev's iteration of degree 2 for :math:`B A` on the upper part
-:math:`[\lambda/10, \lambda]` of its spectrum (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188, 2003); B is the
-identity for p <= 2, all matrices being scaled to a unit diagonal, and the additive Schwarz method of
-:mod:`solvers.linear.schwarz` above.  The diagonal scaling also holds the weight: near the boundary an entry has the
-size of the weight's square.
+smoothing step again.  A step is Chebyshev's iteration for :math:`B A` on the upper part :math:`[\lambda/10, \lambda]`
+of its spectrum (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188, 2003).  For low degrees B is the identity, all
+matrices being scaled to a unit diagonal; above it is the additive Schwarz method of :mod:`solvers.linear.schwarz`.
+The diagonal scaling also holds the weight: near the boundary an entry has the size of the weight's square.
 
 Iterations do not depend on the grid, and little on the degree (docs/spaces.md).
 """
@@ -27,18 +26,18 @@ from solvers.linear.system import ScaledSystem
 
 COARSEST = 300
 """Unknowns of a component that are solved for directly."""
-STEPS = 2
-"""Degree of Chebyshev's iteration."""
 PART = 0.1
 """Part of the spectrum, from above, that smoothing is for."""
 POWER = 12
 """Steps of the power method that estimate the largest eigenvalue, and how much is added to be safe."""
 SAFETY = 1.1
-LOW = 2
-"""Degree up to which the diagonal smooths as well as blocks."""
+LOW = 5
+"""Degree plus dimension up to which the diagonal smooths in less time than blocks."""
+DIAGONAL_STEPS, BLOCK_STEPS = 3, 2
+"""Degree of Chebyshev's iteration."""
 MISSING = (
-    "the linear solver multigrid needs one grid of splines, which global bases, periodic splines and conditions: exact "
-    "do not have: choose auto"
+    "the linear solver multigrid needs one grid of splines and an energy, which global bases, periodic splines, "
+    "several spaces (conditions: exact, interfaces) and least squares do not have: choose auto"
 )
 
 
@@ -108,11 +107,15 @@ def hierarchy(system: ScaledSystem, lattice: Lattice) -> tuple[list[Level], Call
 
 def smoother(matrix: Any, lattice: Lattice, components: int) -> Callable[[Array, Array], Array]:
     """Chebyshev's iteration for a matrix with unit diagonal."""
-    if lattice.degree <= LOW:
-        return chebyshev(matrix, lambda v: v)
-    one = tiled(lattice, *tiling(lattice.degree, len(lattice.shape)))
+    dimension = len(lattice.shape)
+    coupled = components > 1 and dimension < 3
+    if lattice.degree + dimension <= LOW and not coupled:
+        return chebyshev(matrix, lambda v: v, DIAGONAL_STEPS)
+    one = tiled(lattice, *tiling(lattice.degree, dimension))
     shifted = [np.where(one < 0, -1, one + c * lattice.size) for c in range(components)]
-    return chebyshev(matrix, Schwarz.of(matrix, np.concatenate(shifted)))
+    # tiles of all components know conditions that couple them (slip); in space they would be too large
+    tiles = np.concatenate(shifted, axis=1 if coupled else 0)
+    return chebyshev(matrix, Schwarz.of(matrix, tiles), BLOCK_STEPS)
 
 
 def tiling(degree: int, dimension: int) -> tuple[int, int]:
@@ -122,7 +125,7 @@ def tiling(degree: int, dimension: int) -> tuple[int, int]:
     return (8, 4) if dimension == 3 else (2 * degree, degree)
 
 
-def chebyshev(matrix: Any, block: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
+def chebyshev(matrix: Any, block: Callable[[Array], Array], steps: int) -> Callable[[Array, Array], Array]:
     """Chebyshev's iteration for ``B A x = B b`` from a given x (Saad, *Iterative Methods*, 2003, algorithm 12.1)."""
     vector = np.random.default_rng(0).standard_normal(matrix.shape[0])
     largest = 1.0
@@ -137,7 +140,7 @@ def chebyshev(matrix: Any, block: Callable[[Array], Array]) -> Callable[[Array, 
         ratio = half / middle
         change = block(rest) / middle
         x = x + change
-        for _ in range(STEPS - 1):
+        for _ in range(steps - 1):
             rest = rest - matrix @ change
             following = 1.0 / (2 * middle / half - ratio)
             change = following * (ratio * change + (2 / half) * block(rest))
