@@ -15,6 +15,8 @@ from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.bases.basis import Basis
 from solvers.bases.registry import basis
+from solvers.device.backend import NONE
+from solvers.device.requirements import without_device
 from solvers.equations.density import Density
 from solvers.flux_conditions import derivatives
 from solvers.problem import Condition, Discretization, Periodic, Problem, SolverOptions
@@ -70,7 +72,10 @@ class Method(Protocol):
 
 @dataclass(frozen=True)
 class Refusal:
-    """What does not combine, and why: `of` is ``method``, ``degree``, ``linear``, ``basis`` or ``conditions``."""
+    """What does not combine, and why.
+
+    `of` is ``method``, ``degree``, ``linear``, ``basis``, ``conditions`` or ``device``.
+    """
 
     of: str
     message: str
@@ -123,6 +128,9 @@ def refused(
             f"the linear solver {options.linear} does not suit the method {method.name}: choose auto or one of "
             f"{', '.join(suitable)}",
         )
+    if options.device != NONE:
+        why = without_device(method.name, problem, discretization, options)
+        return None if why is None else Refusal("device", why)
     return None
 
 

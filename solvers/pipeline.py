@@ -15,6 +15,7 @@ from solvers.bases.basis import Space
 from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
 from solvers.data import require_finite
+from solvers.device.backend import NONE
 from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
@@ -93,7 +94,7 @@ def _solved(
         setting = (materials_setting if problem.inclusions else mode.setting)(
             problem, discretization, background
         )
-        assembler = BlockAssembler(setting.spaces, method.symmetric(problem))
+        assembler = assembler_of(setting, method.symmetric(problem), options)
         assembly = Assembly(assembler, problem, method, setting.structure, background, setting.regions)
         system = method.system(assembly, watch)
     with watch.phase("solve"):
@@ -121,6 +122,15 @@ def pieces_of(problem: Problem, trial: Trial, background: Background, setting: S
     return tuple(
         Piece(r.problem or problem, trial.within(r.structure), r.background) for r in setting.regions
     )
+
+
+def assembler_of(setting: Setting, symmetric: bool, options: SolverOptions) -> BlockAssembler:
+    """What sums the functional: a matrix, or the cells of one that a device applies."""
+    if options.device == NONE:
+        return BlockAssembler(setting.spaces, symmetric)
+    from solvers.device.assembler import MatrixFreeAssembler
+
+    return MatrixFreeAssembler(setting.spaces, options.device)
 
 
 @dataclass(frozen=True)

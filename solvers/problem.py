@@ -283,10 +283,13 @@ class SolverOptions:
         The linear solver by name; ``auto`` chooses and says why.
     tolerance
         Relative residual at which iterative solvers stop.
+    device
+        Where: ``none`` assembles the matrix and solves with NumPy; ``cpu`` and ``gpu`` apply it cell by cell by JAX.
     redundant
         The unknowns may depend on each other to rounding (set by the basis).
     """
 
     linear: str = "auto"
     tolerance: float = 1e-12
+    device: str = "none"
     redundant: bool = False

@@ -104,7 +104,8 @@ def solver_options(case: Case) -> SolverOptions:
     """Options of the linear solver."""
     from solvers.problem import SolverOptions
 
-    return SolverOptions(linear=case.solver.linear, tolerance=case.solver.tolerance)
+    given = case.solver
+    return SolverOptions(linear=given.linear, tolerance=given.tolerance, device=given.device)
 
 
 def given_box(case: Case) -> Box | None:

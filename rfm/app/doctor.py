@@ -55,6 +55,7 @@ def examine(*, as_json: bool) -> int:
         (f"{name} (optional)", value or f"absent: {OPTIONAL[name]}")
         for name, value in facts["optional"].items()
     ]
+    rows += [("devices of JAX", ", ".join(facts["devices"]) or "none")]
     rows += [("processors", facts["processors"]), ("threads", facts["threads"]), ("memory", facts["memory"])]
     table(("what", "found"), rows, as_json)
     test = self_test()
@@ -69,7 +70,7 @@ def examine(*, as_json: bool) -> int:
 
 
 def report() -> dict[str, Any]:
-    """Versions, threads and memory."""
+    """Versions, devices, threads and memory."""
     set_threads = {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ}
     return {
         "versions": {
@@ -77,6 +78,7 @@ def report() -> dict[str, Any]:
             **{name: _version(name) for name in ("rfm", *REQUIRED)},
         },
         "optional": {name: _version(name) if find_spec(name) else None for name in OPTIONAL},
+        "devices": list(_devices()),
         "system": f"{platform.system()} {platform.machine()}",
         "processors": _processors(),
         "threads": set_threads or "as many as the libraries choose",
@@ -106,6 +108,16 @@ def _version(package: str) -> str | None:
         return metadata.version(names.get(package, package))
     except metadata.PackageNotFoundError:
         return None
+
+
+def _devices() -> tuple[str, ...]:
+    """Devices that JAX finds, for the key `device` of the section solver."""
+    try:
+        from solvers.device.backend import found
+
+        return found()
+    except ImportError:
+        return ()
 
 
 def _processors() -> int:

@@ -18,6 +18,7 @@ PLACES: dict[str, Path] = {
     "basis": ("discretization", "basis"),
     "linear": ("solver", "linear"),
     "conditions": ("solver", "conditions"),
+    "device": ("solver", "device"),
 }
 """Keys of what can fail to combine."""
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError
-from solvers.linear.choice import METHODS, Candidate, choose
+from solvers.linear.choice import METHODS, Candidate, MatrixFree, choose
 from solvers.linear.system import NotConverged, ScaledSystem
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def solve(
     Parameters
     ----------
     matrix
-        Symmetric positive (semi)definite array or sparse matrix, shape (n, n).
+        Symmetric positive (semi)definite array or sparse matrix, shape (n, n), or one known by its products.
     load
         Right-hand side (n,).
     method
@@ -92,7 +92,9 @@ def solve(
         Unknown method, numbers that are not finite, a matrix that is singular or indefinite, no convergence.
     """
     system = ScaledSystem.of(matrix, np.asarray(load, dtype=float), null_space, lattice)
-    if method == "auto":
+    if isinstance(matrix, MatrixFree):
+        candidates = [matrix.candidate()]
+    elif method == "auto":
         candidates = choose(system)
     elif method in METHODS:
         candidates = [Candidate(method, METHODS[method], "chosen by the user")]

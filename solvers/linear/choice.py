@@ -11,6 +11,7 @@ and 1.1 (SuperLU).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -55,6 +56,33 @@ class Candidate:
     name: str
     method: Method
     reason: str
+
+
+class MatrixFree(ABC):
+    """A symmetric matrix that is known by its products only, and brings the method that suits it.
+
+    Attributes
+    ----------
+    shape
+        Its shape (n, n).
+    data
+        Numbers that are finite when all that it is made of are.
+    """
+
+    shape: tuple[int, int]
+    data: Array
+
+    @abstractmethod
+    def __matmul__(self, vector: Array) -> Array:
+        """``A x`` of a vector (n,)."""
+
+    @abstractmethod
+    def diagonal(self) -> Array:
+        """Diagonal (n,), or numbers of its size that are positive where it is."""
+
+    @abstractmethod
+    def candidate(self) -> Candidate:
+        """Method for systems with this matrix."""
 
 
 METHODS: dict[str, Method] = {

@@ -12,6 +12,8 @@ from solvers.linear.system import INDEFINITE, NotConverged, ScaledSystem, refusa
 
 STALLED = 400
 """Iterations without a smaller residual after which conjugate gradients give up."""
+NOISE = 1e3
+"""Residuals, relative to the one that is asked for, at which negative curvature is rounding at the end of the way."""
 
 
 @dataclass
@@ -81,7 +83,7 @@ def conjugate_gradients(
         image = apply(direction)
         curvature = float(direction @ image)
         if not curvature > 0:
-            if best <= 1e3 * target:  # the noise of rounding, at the end of the way
+            if best <= NOISE * target:
                 return x, step
             raise refusal(INDEFINITE, f"negative curvature in iteration {step}")
         length = product / curvature
@@ -91,9 +93,14 @@ def conjugate_gradients(
         x += length * direction
         remainder = system.project(remainder - length * image)
         old = product
-    raise NotConverged(
-        f"conjugate gradients reached a relative residual of {best / target * tolerance:.1e} only, not "
-        f"{tolerance:.1e}, in {step + 1} iterations: choose the linear solver superlu or dense, a lower degree, "
+    raise not_converged(best / target * tolerance, tolerance, step + 1)
+
+
+def not_converged(reached: float, tolerance: float, steps: int) -> NotConverged:
+    """Error of conjugate gradients that gave up."""
+    return NotConverged(
+        f"conjugate gradients reached a relative residual of {reached:.1e} only, not "
+        f"{tolerance:.1e}, in {steps} iterations: choose the linear solver superlu or dense, a lower degree, "
         "or basis: web-spline"
     )
 

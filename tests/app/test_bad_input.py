@@ -148,6 +148,13 @@ SCHEMA = [
     ("source: 1", "source: 1, advection: 1", "9:44", "must be a list with one entry for each coordinate"),
     ("grid: 12}\n", "grid: 12}\nsolver: {method: least-square}\n", "13:18", "did you mean 'least-squares'?"),
     ("grid: 12}\n", "grid: 12}\nsolver: {linear: gmres}\n", "13:18", "does not suit the method ritz"),
+    ("grid: 12}\n", "grid: 12}\nsolver: {device: cuda}\n", "13:18", "gpu"),
+    (
+        "grid: 12}\n",
+        "grid: 12}\nsolver: {device: cpu, linear: superlu}\n",
+        "13:18",
+        "has no matrix that linear: superlu could take: choose linear: cg (or auto), or device: none",
+    ),
     ("grid: 12}\n", "grid: 12}\nsolver: {weights: [1]}\n", "13:10", "those that have: least-squares"),
     ("grid: 12}\n", "grid: 12}\nsolver: {method: least-squares, weights: [1, 2]}\n", "13:42", "1 entries"),
     ("grid: 12}\n", "grid: 12}\nsolver: {method: least-squares, weights: [0]}\n", "13:43", "positive"),

@@ -174,6 +174,7 @@ def test_doctor():
     assert found["status"] == "ok"
     assert found["self_test"]["passed"]
     assert found["versions"]["numpy"]
+    assert any(device.startswith("cpu: ") for device in found["devices"])
 
 
 @pytest.mark.parametrize(

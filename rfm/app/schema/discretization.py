@@ -34,6 +34,7 @@ BASES = {
 HIGHEST = max(highest for _, highest in BASES.values())
 METHODS = ("ritz", "least-squares", "galerkin", "collocation")
 LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "multigrid", "amg", "qr", "gmres")
+DEVICES = ("none", "cpu", "gpu")
 CONDITIONS = ("natural", "exact")
 DEFAULT_GRID = 32
 
@@ -134,5 +135,8 @@ class Solver(Strict):
     )
     conditions: choice(*CONDITIONS) = Field(  # type: ignore[valid-type]
         default="natural", description="flux conditions through the functional, or exact by the structure"
+    )
+    device: choice(*DEVICES) = Field(  # type: ignore[valid-type]
+        default="none", description="assembled matrix, or matrix-free conjugate gradients by JAX on a device"
     )
     tolerance: Positive = Field(default=1e-12, description="relative residual of iterative linear solvers")

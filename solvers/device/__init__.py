@@ -1,0 +1,1 @@
+"""The matrix of an energy, never assembled, on whatever JAX computes on."""
