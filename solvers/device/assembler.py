@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,10 +13,12 @@ from solvers.assembly_folding import parts
 from solvers.assembly_reduction import reduce_load
 from solvers.bases.basis import Space
 from solvers.block_assembly import BlockAssembler
-from solvers.device.cells import Groups
+from solvers.device.cells import Groups, Key
 from solvers.device.operator import Operator
 from solvers.equations.density import Blocks, Loads
 from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.quadrature.pieces import gauss
+from solvers.smoothness import legendre_transform
 from solvers.web import SplineSpace
 
 
@@ -53,7 +55,7 @@ class MatrixFreeAssembler(BlockAssembler):
             batch, blocks, loads, space.delicate_cells, 2 * space.degree
         ):
             if quadratic:
-                self.groups.add(where, nodes, quadratic)
+                self.groups.add(where, *thinned(nodes, quadratic, 2 * space.degree + 1, space.grid.dimension))
             cells = np.asarray(where, dtype=np.int64)
             kind = TensorBatch if nodes.ndim == 1 else PointBatch
             for m, assembler in enumerate(self._loads):
@@ -67,3 +69,25 @@ class MatrixFreeAssembler(BlockAssembler):
             [reduce_load(assembler.load, assembler.space.free) for assembler in self._loads]
         )
         return Operator(self.groups, self.kind), load
+
+
+def thinned(
+    nodes: Array, blocks: Mapping[Key, Array], enough: int, dimension: int
+) -> tuple[Array, dict[Key, Array]]:
+    r"""Coefficients on `enough` Gauss nodes a direction, where there are more tensor nodes.
+
+    Products of two splines are polynomials of degree ``enough - 1`` in each direction, hence equal to their
+    interpolants there: :math:`C_k = \sum_j C_j L_k(t_j)` leaves every integral what it is
+    (:mod:`solvers.assembly_folding`).
+    """
+    if nodes.ndim != 1 or len(nodes) <= enough:
+        return nodes, dict(blocks)
+    values = np.polynomial.legendre.legvander(2 * nodes - 1, enough - 1)
+    lagrange = values * np.sqrt(2 * np.arange(enough) + 1) @ legendre_transform(enough)
+    found = {}
+    for key, block in blocks.items():
+        moments = block.reshape(-1, *[len(nodes)] * dimension)
+        for _ in range(dimension):
+            moments = np.tensordot(moments, lagrange, axes=(1, 0))
+        found[key] = moments.reshape(len(block), -1)
+    return gauss(enough)[0], found

@@ -50,16 +50,18 @@ class DeviceGradients:
             run = jax.jit(iterate, static_argnums=(0, 1))
             right = system.project(system.scaled_load)
             found = run(operator.plan, self.limit, operator.arrays, system.scale, system.null, right, target)
-            x, step, best, state = (np.asarray(one) for one in found)
+            x, image, step, best, state = (np.asarray(one) for one in found)
         if state == State.CURVED and best > NOISE * target:
             raise refusal(INDEFINITE, f"negative curvature in iteration {step}")
-        if state in (State.RUNNING, State.STALLED):
+        if state == State.STALLED:
             raise not_converged(float(best) / target * tolerance, tolerance, int(step))
+        if state == State.CONVERGED:
+            operator.remember(system.scale * x, image / system.scale)
         return x, int(step)
 
 
 def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: Any, target: Any) -> Any:
-    """Return the scaled solution, the steps, the smallest residual and the state; to be compiled."""
+    """Return the scaled solution and its image, the steps, the smallest residual and the state; to be compiled."""
     import jax
     import jax.numpy as jnp
 
@@ -69,30 +71,27 @@ def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: A
         return vector - null @ (null.T @ vector)
 
     def unfinished(loop: dict[str, Any]) -> Any:
-        return (loop["state"] == State.RUNNING) & (loop["step"] < limit)
+        return loop["state"] == State.RUNNING
 
     def advance(loop: dict[str, Any]) -> dict[str, Any]:
         step, remainder = loop["step"], loop["remainder"]
         norm = jnp.linalg.norm(remainder / scale)
         better = norm < loop["best"]
         best, best_step = jnp.where(better, norm, loop["best"]), jnp.where(better, step, loop["best_step"])
+        stalled = (step - best_step > STALLED) | (step >= limit)
+        done = (norm <= target) | stalled
         product = remainder @ remainder
         ratio = jnp.where(step > 0, product / loop["old"], 0.0)
         direction = remainder + ratio * loop["direction"]
-        image = scale * applied(plan, arrays, scale * direction)
+        # the last product is that of the solution, for the residual that is reported
+        image = scale * applied(plan, arrays, scale * jnp.where(done, loop["x"], direction))
         curvature = direction @ image
-        state = jnp.where(
-            norm <= target,
-            State.CONVERGED,
-            jnp.where(
-                step - best_step > STALLED,
-                State.STALLED,
-                jnp.where(curvature > 0, State.RUNNING, State.CURVED),
-            ),
-        )
+        going = jnp.where(curvature > 0, State.RUNNING, State.CURVED)
+        state = jnp.where(norm <= target, State.CONVERGED, jnp.where(stalled, State.STALLED, going))
         length = jnp.where(state == State.RUNNING, product / curvature, 0.0)
         return {
             "x": loop["x"] + length * direction,
+            "image": image,
             "remainder": project(remainder - length * image),
             "direction": direction,
             "old": product,
@@ -105,6 +104,7 @@ def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: A
     zero = jnp.zeros_like(right)
     start = {
         "x": zero,
+        "image": zero,
         "remainder": right,
         "direction": zero,
         "old": jnp.ones(()),
@@ -114,4 +114,4 @@ def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: A
         "state": jnp.array(int(State.RUNNING)),
     }
     end = jax.lax.while_loop(unfinished, advance, start)
-    return end["x"], end["step"], end["best"], end["state"]
+    return end["x"], end["image"], end["step"], end["best"], end["state"]

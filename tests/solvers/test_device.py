@@ -237,6 +237,21 @@ def test_what_a_device_does_not_do(method, given, options, message):
         )
 
 
+def test_the_residual_of_a_solution_is_that_of_its_product():
+    from solvers.device.conjugate_gradients import DeviceGradients
+
+    operator, load = system(dirichlet(), Discretization(degree=2, grid=12), "cpu")
+    fresh, _ = system(dirichlet(), Discretization(degree=2, grid=12), "cpu")
+    scaled = ScaledSystem.of(operator, load)
+    x, _ = DeviceGradients().solve(scaled, 1e-10)
+    solution, residual = scaled.unscale(x)
+    np.testing.assert_allclose(operator @ solution, fresh @ solution, atol=1e-14 * np.abs(load).max())
+    assert 0 < residual <= 1.1e-10
+    np.testing.assert_allclose(
+        operator @ (2 * solution), 2 * (fresh @ solution), atol=1e-12 * np.abs(load).max()
+    )
+
+
 def test_several_materials_are_refused():
     inclusion = Inclusion("core", disk(center=(0.7, 0.5), radius=0.1).named("core"), Poisson(0.0))
     problem = replace(dirichlet(), inclusions=(inclusion,))
