@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +57,17 @@ def computing(kind: str) -> Iterator[Any]:
 
     _keep_programs()
     device = jax.devices(kind)[0]
-    with jax.enable_x64(True), jax.default_device(device):
+    with _double_precision(), jax.default_device(device):
         yield device
+
+
+def _double_precision() -> AbstractContextManager[Any]:
+    """Context of double precision, which older versions of JAX keep elsewhere."""
+    import jax
+
+    module: Any = jax if hasattr(jax, "enable_x64") else import_module("jax.experimental")
+    context: AbstractContextManager[Any] = module.enable_x64(True)
+    return context
 
 
 def cache_folder() -> Path:
