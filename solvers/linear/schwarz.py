@@ -23,8 +23,8 @@ from rfm.calculus.types import Array
 from solvers.extension import Indices
 from solvers.linear.lattice import Lattice
 
-WORK = 1_000_000
-"""Entries of tiles inverted at a time."""
+WORK = 2_000_000
+"""Numbers handled at a time on the way to the tiles."""
 CLASSES = 8
 """Sizes, at most, that tiles are padded to."""
 
@@ -84,21 +84,25 @@ def inverses(matrix: Any, tiles: Indices) -> NDArray[np.float32]:
 
 def diagonal_blocks(matrix: Any, tiles: Indices) -> Array:
     """Diagonal blocks of a CSR matrix, padded with the identity."""
-    width = tiles.shape[1]
-    result = np.zeros((len(tiles), width, width))
-    place = np.full(matrix.shape[0], -1, dtype=np.intp)
-    # tile by tile: rows are copied in one piece each, ten times faster than looking up single entries of the matrix
-    for tile, block in zip(tiles, result, strict=True):
-        members = tile[tile >= 0]
-        place[members] = np.arange(len(members))
+    count, width = tiles.shape
+    n = matrix.shape[0]
+    result = np.zeros((count, width, width))
+    step = max(1, min(WORK // n, WORK * n // (width * matrix.nnz)))
+    place = np.full((min(step, count), n), -1, dtype=np.int32)  # of each unknown in each tile of a piece
+    for start in range(0, count, step):
+        piece = tiles[start : start + step]
+        tile, position = np.nonzero(piece >= 0)
+        members = piece[tile, position]
+        place[tile, members] = position
         rows = matrix[members]
-        column = place[rows.indices]
         row = np.repeat(np.arange(len(members)), np.diff(rows.indptr))
-        kept = column >= 0
-        block[row[kept], column[kept]] = rows.data[kept]
-        absent = np.arange(len(members), width)
-        block[absent, absent] = 1.0
-        place[members] = -1
+        column = place.ravel()[tile[row] * n + rows.indices]
+        kept = np.flatnonzero(column >= 0)
+        row = row[kept]
+        result[start + tile[row], position[row], column[kept]] = rows.data[kept]
+        place[tile, members] = -1
+    tile, position = np.nonzero(tiles < 0)
+    result[tile, position, position] = 1.0
     return result
 
 
