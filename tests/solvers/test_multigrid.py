@@ -211,9 +211,13 @@ def test_what_has_no_lattice():
 
 def test_automatic_choice_of_high_degree():
     options = SolverOptions(tolerance=1e-11)
-    found = pipeline.solve(dirichlet(), Discretization(degree=5, grid=48), Ritz(), options).linear
-    assert found.method == "multigrid"
-    assert "splines of degree 5" in found.reason
+    coarse, fine = (
+        pipeline.solve(dirichlet(), Discretization(degree=5, grid=grid), Ritz(), options).linear
+        for grid in (48, 140)
+    )
+    assert (coarse.method, fine.method) == ("superlu", "multigrid")
+    assert "cheaper than multigrid" in coarse.reason
+    assert "splines of degree 5" in fine.reason
     space = space_of(ball_states, 3, 40, 40)
     matrix, load = system_of(space)
     names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice_of([space])))]
