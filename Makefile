@@ -25,7 +25,7 @@ run: $(STAMP)  ## run a case: make run [CASE=cases/poisson/annulus.yaml]
 	@$(BIN)/rfm run $(CASE) --out $(RUN_DIR)
 
 test: $(STAMP)  ## the tests, except the slow ones
-	$(ONE_THREAD) $(BIN)/python -m pytest -q -n $(JOBS)
+	$(ONE_THREAD) $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test-slow: $(STAMP)  ## the slow tests
 	$(BIN)/python -m pytest -q -m slow
