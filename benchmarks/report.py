@@ -22,6 +22,8 @@ COLORS = {
 }
 MESHED = ("NGSolve", "scikit-fem")
 """Programs on a mesh that follows the boundary."""
+UNFITTED = "ngsxfem"
+"""The nearest relative: it cuts a mesh that does not follow the boundary."""
 
 
 def rows_of(rows: Iterable[Row], problem: str, program: str) -> list[Row]:
@@ -79,6 +81,11 @@ def summary(rows: Sequence[Row]) -> list[str]:
     return table(["problem", "program", *(f"{t:.0e}" for t in TOLERANCES), "smallest error"], lines)
 
 
+def share(part: float, whole: float) -> str:
+    """One count by another: ``1/15``, or two decimals where it is no small part."""
+    return f"1/{whole / part:.0f}" if whole >= 1.95 * part else f"{part / whole:.2f}"
+
+
 def against(rows: Sequence[Row]) -> list[str]:
     """Markdown: rfm by the best of the others, seconds, and by the frugal one of those on fitted meshes, unknowns."""
     problems, programs = names(rows)
@@ -95,9 +102,13 @@ def against(rows: Sequence[Row]) -> list[str]:
                 continue
             name = min(rivals, key=lambda one: rivals[one].seconds)
             text = f"{mine.seconds / rivals[name].seconds:.2f} of {name}"
+            if UNFITTED in rivals and name != UNFITTED:
+                text += f", {mine.seconds / rivals[UNFITTED].seconds:.2f} of {UNFITTED}"
             fitted = [rivals[one].fewest_unknowns for one in MESHED if one in rivals]
             if fitted:
-                text += f", unknowns 1/{min(fitted) / mine.unknowns:.0f}"
+                text += f"; unknowns {share(mine.unknowns, min(fitted))}"
+                if mine.fewest_series != mine.series:
+                    text += f" (fewest {share(mine.fewest_unknowns, min(fitted))})"
             line.append(text)
         lines.append(line)
     return table(["problem", *(f"{t:.0e}" for t in TOLERANCES)], lines)
@@ -257,8 +268,8 @@ accurate. "–": not reached within the limit.
 """
 
 RATIOS = """
-Seconds of rfm by those of the fastest other program, and its unknowns (of its fastest series) by the fewest of a
-program on a fitted mesh:
+Seconds of rfm by those of the fastest other program and of ngsxfem, and its unknowns (of its fastest series; in
+brackets those of its most frugal one) by the fewest of a program on a fitted mesh:
 """
 
 SPLITS = """
