@@ -267,7 +267,7 @@ def test_a_page_is_written_from_the_results(tmp_path: Path) -> None:
         "| annulus | rfm | 0.126 s / 159 (a) | 0.200 s / 400 (a) | 0.317 s / 1008 (a) | 1e-09 in 0.400 s |"
         in text
     )
-    assert "| annulus | 0.16 of NGSolve, unknowns 1/50 | only rfm | only rfm |" in text
+    assert "| annulus | 0.16 of NGSolve; unknowns 1/50 | only rfm | only rfm |" in text
     assert "- annulus, nutils: p=2; p=3\n" in text
     assert "S, 2 cores, 2 threads, limit 1 s; rfm 1. Idle." in text
     for picture in ("benchmark_annulus.png", "benchmark_growth.png"):
