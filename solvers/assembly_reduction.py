@@ -40,14 +40,33 @@ def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
     if relevant <= DENSE:
         return _small(stencil, free, symmetric)
     coupled = 10 * (2 * stencil.degree + 1) ** len(stencil.shape) >= relevant
-    build = stencil.dense if coupled and relevant <= DENSE_COUPLED else stencil.sparse
-    result = build(free.dofs, free.dofs)
+    if coupled and relevant <= DENSE_COUPLED:
+        return _dense(stencil, free, symmetric)
+    if not len(free.outer):
+        return stencil.sparse(free.dofs, free.dofs)
+    return stencil.sparse(free.dofs, free.dofs, _correction(stencil, free, symmetric))
+
+
+def _correction(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
+    """``Z + Z^T``, or what stands for it, as CSR."""
+    extension = _sparse_extension(free)
+    half = stencil.sparse(free.outer, free.dofs)
+    image = extension @ stencil.sparse(free.outer, free.outer)
+    if symmetric:
+        half = extension @ (half + 0.5 * image.T)
+        return half + half.T
+    return extension @ half + ((stencil.sparse(free.dofs, free.outer) + image) @ extension.T)
+
+
+def _dense(stencil: Stencil, free: Extension, symmetric: bool) -> Array:
+    """Matrix of the unknowns as an array."""
+    result = stencil.dense(free.dofs, free.dofs)
     if not len(free.outer):
         return result
     # sums in place: for large arrays fresh memory costs more than the arithmetic
     extension = _sparse_extension(free)
-    half = build(free.outer, free.dofs)
-    image = _product(extension, build(free.outer, free.outer))
+    half = stencil.dense(free.outer, free.dofs)
+    image = _product(extension, stencil.dense(free.outer, free.outer))
     if symmetric:
         image *= 0.5
         half += image.T
@@ -56,7 +75,7 @@ def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
         result += half.T
     else:
         result += _product(extension, half)
-        result += _product(extension, (build(free.dofs, free.outer) + image).T).T
+        result += _product(extension, (stencil.dense(free.dofs, free.outer) + image).T).T
     return result
 
 
@@ -77,10 +96,8 @@ def _small(stencil: Stencil, free: Extension, symmetric: bool) -> Array:
     return result + extension @ left + (full[:split, split:] + outer) @ extension.T
 
 
-def _product(extension: Any, matrix: Any) -> Any:
-    """``X M``; a full M in blocks of columns that stay in the cache."""
-    if not isinstance(matrix, np.ndarray):
-        return extension @ matrix
+def _product(extension: Any, matrix: Array) -> Array:
+    """``X M`` in blocks of columns that stay in the cache."""
     result = np.empty((extension.shape[0], matrix.shape[1]))
     for start in range(0, matrix.shape[1], COLUMNS):
         piece = slice(start, start + COLUMNS)

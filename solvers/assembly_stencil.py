@@ -12,6 +12,8 @@ and there is nothing to sort.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,10 +21,47 @@ from numpy.typing import NDArray
 
 from rfm.calculus.types import Array
 from solvers.assembly_parity import Parity
+from solvers.extension import full_arrays
 
 Indices = NDArray[np.integer[Any]]
-WORK = 2_000_000
-"""Entries looked up at a time on the way to a matrix."""
+Numbers = NDArray[np.int32]
+WORK = 200_000
+"""Entries looked up at a time on the way to a matrix: they stay in the cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The offsets ``j - i`` of the entries of a row, and where they lead.
+
+    Attributes
+    ----------
+    offsets
+        All of them, shape (d, width), the last direction fastest.
+    stored
+        Place of the entry in the storage of a parity, relative to i.
+    neighbour
+        Place of j in an array with a margin of p on all sides, relative to that of ``i - p``.
+    """
+
+    offsets: NDArray[np.intp]
+    stored: NDArray[np.intp]
+    neighbour: NDArray[np.intp]
+
+    def signs(self, parity: Parity) -> NDArray[np.intp]:
+        """Product of the signs of the offsets in the antisymmetric directions."""
+        chosen = [axis for axis, sign in enumerate(parity) if sign < 0]
+        signs: NDArray[np.intp] = np.sign(self.offsets[chosen]).prod(axis=0)
+        return signs
+
+
+@lru_cache(maxsize=64)
+def band(shape: tuple[int, ...], degree: int) -> Band:
+    """Band of the splines of a degree on an index array of the given full shape."""
+    dimension = len(shape)
+    offsets = np.indices((2 * degree + 1,) * dimension).reshape(dimension, -1) - degree
+    weights = (degree + 1) ** np.arange(dimension)[::-1]
+    stored = (weights @ np.abs(offsets)) * int(np.prod(shape)) + _strides(shape) @ np.minimum(offsets, 0)
+    return Band(offsets, stored, _strides(_padded(shape, degree)) @ (offsets + degree))
 
 
 class Stencil:
@@ -50,68 +89,130 @@ class Stencil:
     def dense(self, rows: Indices, columns: Indices) -> Array:
         """Submatrix of flat indices `rows` and `columns` as an array."""
         result = np.zeros((len(rows), len(columns)))
-        for row, column, _, values in self._entries(rows, columns):
-            result[row, column] = values
+        for start, inside, found, values in self._entries(rows, self._numbering(columns)):
+            result[start + inside.nonzero()[0], found] = values
         return result
 
-    def sparse(self, rows: Indices, columns: Indices) -> Any:
-        """Submatrix of flat indices `rows` and `columns` (ascending) as a CSR matrix."""
+    def sparse(self, rows: Indices, columns: Indices, added: Any = None) -> Any:
+        """Submatrix of flat indices `rows` and `columns`, both ascending, as a CSR matrix.
+
+        Most rows are *whole*: the columns of all their band are there, and nothing is added.  They are written to
+        their final place without a search and without a copy: fresh memory costs more than the arithmetic.
+
+        Parameters
+        ----------
+        rows, columns
+            Flat indices.
+        added
+            CSR matrix to be added, in which few rows have entries.
+        """
+        from scipy.sparse import csr_array
+
+        number, width = self._numbering(columns), self._band.stored.size
+        complete = full_arrays(number >= 0, 2 * self.degree).ravel()[rows]
+        if added is not None:
+            complete &= np.diff(added.indptr) == 0
+        near, whole = np.flatnonzero(~complete), np.flatnonzero(complete)
+        rest = self._searched(rows[near], number, len(columns))
+        if added is not None:
+            rest = rest + added[near]
+        if not len(whole):
+            return rest
+        counts = np.full(len(rows), width)
+        counts[near] = np.diff(rest.indptr)
+        pointer = np.append(0, np.cumsum(counts))
+        pointer = pointer.astype(np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64)
+        data, indices = np.empty(pointer[-1]), np.empty(pointer[-1], pointer.dtype)
+        place = np.repeat(pointer[near] - rest.indptr[:-1], counts[near]) + np.arange(rest.nnz)
+        data[place], indices[place] = rest.data, rest.indices
+        step = max(1, WORK // width)
+        for start in range(0, len(whole), step):
+            chosen = whole[start : start + step]
+            place = pointer[chosen, None] + np.arange(width)
+            data[place] = self._values(rows[chosen])
+            indices[place] = self._columns(rows[chosen], number)
+        result = csr_array((data, indices, pointer), shape=(len(rows), len(columns)))
+        result.has_canonical_format = True
+        return result
+
+    @property
+    def _band(self) -> Band:
+        return band(self.shape, self.degree)
+
+    def _values(self, rows: Indices) -> Array:
+        """Entries of whole rows, shape (rows, width)."""
+        where = rows[:, None] + self._band.stored
+        values = np.zeros(where.shape)
+        for parity, stored in self.values.items():
+            entries = stored.take(where)
+            values += entries if min(parity) > 0 else self._band.signs(parity) * entries
+        return values
+
+    def _columns(self, rows: Indices, number: Numbers) -> Numbers:
+        """Columns of whole rows: columns are ascending, so those of a line of the last direction are consecutive."""
+        length = 2 * self.degree + 1
+        first = number.ravel().take(self._corners(rows)[:, None] + self._band.neighbour[::length])
+        columns: NDArray[Any] = (first[:, :, None] + np.arange(length, dtype=np.int32)).reshape(
+            len(rows), self._band.stored.size
+        )
+        return columns
+
+    def _searched(self, rows: Indices, number: Numbers, columns: int) -> Any:
+        """Rows of which only some of the band may be there, as a CSR matrix."""
         from scipy.sparse import csr_array
 
         data, indices, counts = [np.zeros(0)], [np.zeros(0, np.int32)], [np.zeros(1, np.intp)]
-        for _, column, count, values in self._entries(rows, columns):
+        for _, inside, found, values in self._entries(rows, number):
             data.append(values)
-            indices.append(column)
-            counts.append(count)
+            indices.append(found)
+            counts.append(inside.sum(axis=1))
         pointer = np.cumsum(np.concatenate(counts))
-        return csr_array(
-            (np.concatenate(data), np.concatenate(indices), pointer), shape=(len(rows), len(columns))
-        )
+        return csr_array((np.concatenate(data), np.concatenate(indices), pointer), shape=(len(rows), columns))
 
     def _entries(
-        self, rows: Indices, columns: Indices
-    ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.intp], Array]]:
+        self, rows: Indices, number: Numbers
+    ) -> Iterator[tuple[int, NDArray[np.bool_], Numbers, Array]]:
         """Entries inside the band, row by row, a chunk of rows at a time.
 
         Yields
         ------
         tuple
-            Positions in `rows` and in `columns`, the number of entries in each row of the chunk, and the values.
+            Position of the chunk in `rows`; which entries of the band there are, shape (rows, width); and of those
+            the positions of their columns and the values.
         """
-        p, dimension = self.degree, len(self.shape)
-        number = self._numbering(columns)
-        padded_strides = _strides(number.shape)
-        offsets = np.indices((2 * p + 1,) * dimension).reshape(dimension, -1) - p
-        weights = (p + 1) ** np.arange(dimension)[::-1]
-        shift = (weights @ np.abs(offsets)) * self.size + _strides(self.shape) @ np.minimum(offsets, 0)
-        neighbour = padded_strides @ offsets
-        centre = padded_strides @ (np.stack(np.unravel_index(rows, self.shape)) + p)
-        signs = {
-            parity: np.prod([np.sign(offsets[axis]) for axis, sign in enumerate(parity) if sign < 0], axis=0)
-            for parity in self.values
-        }
-        numbers = number.ravel()
-        step = max(1, WORK // offsets.shape[1])
+        band = self._band
+        corners, numbers = self._corners(rows), number.ravel()
+        step = max(1, WORK // band.stored.size)
         for start in range(0, len(rows), step):
             piece = slice(start, start + step)
-            target = numbers[centre[piece, None] + neighbour]
+            target = numbers.take(corners[piece, None] + band.neighbour)
             inside = target >= 0
-            where = (rows[piece, None] + shift)[inside]
+            where = (rows[piece, None] + band.stored)[inside]
             values = np.zeros(len(where))
             for parity, stored in self.values.items():
-                if min(parity) > 0:
-                    values += stored[where]
-                else:
-                    values += np.broadcast_to(signs[parity], inside.shape)[inside] * stored[where]
-            count = inside.sum(axis=1)
-            yield np.repeat(np.arange(start, start + len(count)), count), target[inside], count, values
+                entries = stored.take(where)
+                if min(parity) < 0:
+                    entries *= np.broadcast_to(band.signs(parity), inside.shape)[inside]
+                values += entries
+            yield start, inside, target[inside], values
 
-    def _numbering(self, columns: Indices) -> NDArray[np.int32]:
+    def _corners(self, rows: Indices) -> NDArray[np.intp]:
+        """Place of ``i - p`` in an array with a margin of p."""
+        strides = _strides(_padded(self.shape, self.degree))
+        corners: NDArray[np.intp] = strides @ np.stack(np.unravel_index(rows, self.shape))
+        return corners
+
+    def _numbering(self, columns: Indices) -> Numbers:
         """Position of each index in `columns`, -1 elsewhere, with a margin of p around the full array."""
-        number = np.full(tuple(n + 2 * self.degree for n in self.shape), -1, dtype=np.int32)
+        number = np.full(_padded(self.shape, self.degree), -1, dtype=np.int32)
         inner = number[tuple(slice(self.degree, self.degree + n) for n in self.shape)]
         inner[np.unravel_index(columns, self.shape)] = np.arange(len(columns))
         return number
+
+
+def _padded(shape: tuple[int, ...], margin: int) -> tuple[int, ...]:
+    """Shape with a margin on all sides."""
+    return tuple(n + 2 * margin for n in shape)
 
 
 def _strides(shape: tuple[int, ...]) -> NDArray[np.intp]:
