@@ -27,7 +27,7 @@ from rfm.geometry.shape import Shape
 from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointRule
 from solvers.quadrature.boxes import sampled_boxes
-from solvers.quadrature.recursion import VolumePart, volume_rule
+from solvers.quadrature.recursion import volume_rule
 
 LEVELS = {2: 10, 3: 6}
 """Halvings.  In the plane 16 change the error in the fourth digit, 7 cost a factor of two at degree 5.  In space
@@ -93,14 +93,14 @@ def corner_rule(
     pieces = graded(grid, cells, pairs, LEVELS[grid.dimension])
     logic = Logic(domain.expression, domain.surfaces)
     level = np.rint(-np.log2(pieces.width.min(axis=1))).astype(int)
-    parts: list[VolumePart] = []
+    none = np.zeros(0, dtype=np.int64), np.zeros((0, grid.dimension)), np.zeros(0)
+    found = [none]
     for k in np.unique(level):
         some = pieces.take(level == k)
         boxes = sampled_boxes(logic, grid, cells, some.row, some.lower, some.width)
-        parts += volume_rule(logic, boxes, max(points - FEWER[grid.dimension] * int(k), FEWEST))
-    rows = np.concatenate([np.zeros(0, dtype=np.int64), *(part.row for part in parts)])
-    nodes = np.concatenate([np.zeros((0, grid.dimension)), *(part.nodes for part in parts)])
-    weights = np.concatenate([np.zeros(0), *(part.weights for part in parts)])
+        order = max(points - FEWER[grid.dimension] * int(k), FEWEST)
+        found += [part.lines.points(order) for part in volume_rule(logic, boxes, order)]
+    rows, nodes, weights = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return PointRule.gather(cells, rows, nodes, grid.cell_volume * weights)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from rfm.geometry.logic import Logic
 from rfm.geometry.surface import Surface
 from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
 from solvers.quadrature.boxes import initial_boxes
+from solvers.quadrature.lines import LineRule, Lines
 from solvers.quadrature.recursion import BoundaryPart, VolumePart, boundary_rule, volume_rule
 from solvers.quadrature.sampling import is_exact
 from solvers.quadrature.tensor import inner_rule
@@ -38,7 +39,8 @@ class DomainRules:
     inner
         Tensor Gauss rule of the inner cells.
     cut
-        Rule of the cut cells, positive weights; cells that turn out to hold nothing are left out.
+        Rule of the cut cells, positive weights; cells that turn out to hold nothing are left out.  It is made of
+        lines; where something else replaces it, of points.
     boundary
         Rules on the boundary by surface, with unit normals that point out of the domain.
     unresolved
@@ -46,7 +48,7 @@ class DomainRules:
     """
 
     inner: TensorBatch
-    cut: PointRule
+    cut: LineRule | PointRule
     boundary: Mapping[Surface, PointBatch]
     unresolved: float
 
@@ -101,21 +103,15 @@ def domain_rules(domain: Shape, classification: Classification, inner: int, cut:
     boundary = Deferred(lambda: _boundary_batches(logic, grid, cells, list(boundary_rule(logic, boxes, cut))))
     return DomainRules(
         inner_rule(grid, classification.inner_cells, inner),
-        _volume_batch(grid, cells, volume),
+        LineRule.gather(cells, _volume_lines(grid, volume), cut),
         boundary,
         grid.cell_volume * sum(part.unresolved for part in volume),
     )
 
 
-def _volume_batch(grid: Grid, cells: Integers, parts: list[VolumePart]) -> PointRule:
-    if not parts:
-        return PointRule.gather(
-            cells, np.zeros(0, dtype=np.int64), np.zeros((0, grid.dimension)), np.zeros(0)
-        )
-    rows = np.concatenate([part.row for part in parts])
-    nodes = np.concatenate([part.nodes for part in parts])
-    weights = grid.cell_volume * np.concatenate([part.weights for part in parts])
-    return PointRule.gather(cells, rows, nodes, weights)
+def _volume_lines(grid: Grid, parts: list[VolumePart]) -> Lines:
+    lines = Lines.joined([part.lines for part in parts], grid.dimension)
+    return replace(lines, weight=grid.cell_volume * lines.weight)
 
 
 def _boundary_batches(

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
+from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch, padding, spans
+from solvers.quadrature.lines import LineRule
 from solvers.quadrature.pieces import gauss
 
 if TYPE_CHECKING:
@@ -29,24 +30,48 @@ PRODUCTS = 250_000
 """Numbers in the tables of one chunk of cells: they stay in the cache."""
 
 
-def fold(cut: PointBatch | PointRule, nodes_per_direction: int) -> TensorBatch:
+def fold(cut: PointBatch | PointRule | LineRule, nodes_per_direction: int) -> TensorBatch:
     """Fold the rule of each cell into a tensor rule; the cells keep their order.
 
     Parameters
     ----------
     cut
-        A rule on points of each cell's own.
+        A rule on points, or on lines, of each cell's own.
     nodes_per_direction
         Gauss nodes ``m`` a direction: 2p for splines of degree p, 2p + 2 for p <= 4.
     """
     m = nodes_per_direction
     t, _ = gauss(m)
+    if isinstance(cut, LineRule):
+        return TensorBatch(cut.cells, t, _line_moments(cut, m))
     weights = np.zeros((len(cut), m ** cut.cells.shape[1]))
     start = 0
     for piece in cut.chunks(POINTS_AT_ONCE):
         weights[start : start + len(piece)] = nodal_moments(piece.nodes, [piece.weights], m)[:, 0]
         start += len(piece)
     return TensorBatch(cut.cells, t, weights)
+
+
+def _line_moments(rule: LineRule, m: int) -> Array:
+    """Moments of a rule on lines, shape ``(n, m**d)``: the sum over the points of a line comes first, in 1D.
+
+    A polynomial of degree ``m - 1`` needs no more than ``(m + 1) // 2`` points on a line, whatever the rule has.
+    """
+    d = rule.cells.shape[1]
+    t, w = gauss(min(rule.order, (m + 1) // 2))
+    found = np.empty((len(rule), m**d))
+    for span in spans(np.diff(rule.begin), PRODUCTS // (m * (d + 1) + m ** (d - 1))):
+        lines = rule.lines
+        where, valid = padding(rule.begin[span.start : span.stop + 1])
+        start = np.moveaxis(lines.start[where], -1, 1)
+        axis, length = lines.axis[where], lines.length[where]
+        weight = np.where(valid, lines.weight[where], 0.0)
+        legendre = _legendre(np.ascontiguousarray(start), m)
+        x = np.take_along_axis(start, axis[:, None], axis=1)[:, 0]
+        along = sum(c * _legendre(x + length * s, m) for s, c in zip(t, w, strict=True)) * weight[:, None]
+        tables = [np.where((axis == k)[:, None], along, legendre[:, k]) for k in range(d)]
+        found[span] = _contracted(tables).reshape(-1, m**d)
+    return found
 
 
 def nodal_moments(nodes: Array, values: Sequence[Array], m: int) -> Array:
@@ -71,14 +96,22 @@ def nodal_moments(nodes: Array, values: Sequence[Array], m: int) -> Array:
     for start in range(0, n, step):
         piece = slice(start, start + step)
         legendre = _legendre(np.ascontiguousarray(nodes[piece].swapaxes(1, 2)), m)
-        first, others = legendre[:, 0], legendre[:, 1]
-        if d == 3:
-            others = (others[:, :, None] * legendre[:, 2, None]).reshape(len(others), m * m, q)
         stacked = np.stack([v[piece] for v in values], axis=1)
-        left = (stacked[:, :, None] * first[:, None]).reshape(len(others), -1, q)
-        moments = left @ others.swapaxes(1, 2)
-        found[piece] = _from_legendre(moments.reshape(-1, *[m] * d)).reshape(-1, len(values), m**d)
+        left = (stacked[:, :, None] * legendre[:, None, 0]).reshape(len(legendre), -1, q)
+        found[piece] = _contracted([left, *(legendre[:, k] for k in range(1, d))]).reshape(
+            -1, len(values), m**d
+        )
     return found
+
+
+def _contracted(tables: Sequence[Array]) -> Array:
+    """Sums over q of products of tables ``(n, v m, q)`` and ``(n, m, q)``, for the Lagrange basis: ``(n v, m, ..., m)``."""
+    first, others, *last = tables
+    n, m, q = others.shape
+    if last:
+        others = (others[:, :, None] * last[0][:, None]).reshape(n, m * m, q)
+    moments = first @ others.swapaxes(1, 2)
+    return _from_legendre(moments.reshape(-1, *[m] * len(tables)))
 
 
 def _legendre(t: Array, count: int) -> Array:

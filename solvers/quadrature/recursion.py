@@ -18,10 +18,11 @@ from rfm.geometry.logic import Logic, Mask, Signs
 from solvers.quadrature import bernstein
 from solvers.quadrature.boxes import Boxes, children, merged, strict_signs
 from solvers.quadrature.directions import Choice, choose
+from solvers.quadrature.lines import Lines
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.surface import boundary_points
 from solvers.quadrature.tensor import tensor_weights
-from solvers.quadrature.volume import Graphs, volume_points
+from solvers.quadrature.volume import Graphs, volume_lines
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
@@ -41,11 +42,9 @@ POINTS_AT_ONCE = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class VolumePart:
-    """Flat volume rule: cell rows, unit coordinates, weights in units of the cell, unresolved volume."""
+    """Lines in cells (rows), weights in units of the cell; unresolved volume."""
 
-    row: Integers
-    nodes: Array
-    weights: Array
+    lines: Lines
     unresolved: float = 0.0
 
 
@@ -209,11 +208,14 @@ def _unit(boxes: Boxes, rows: Integers, axes: Integers, at: Array) -> Array:
 def _integrate(
     logic: Logic, boxes: Boxes, choice: Choice, rows: Integers, forced: Mask, order: int
 ) -> VolumePart:
-    points = volume_points(_graphs(logic, boxes, choice, rows), order)
-    owner = rows[points.owner]
+    lines = volume_lines(_graphs(logic, boxes, choice, rows), order)
+    owner = rows[lines.owner]
+    axes = choice.axes[owner]
+    axis = axes[:, 0]
     volumes = boxes.width.prod(axis=1)
-    nodes = _unit(boxes, owner, choice.axes[owner], points.at)
-    return VolumePart(boxes.row[owner], nodes, points.weight * volumes[owner], float(volumes[forced].sum()))
+    start = _unit(boxes, owner, axes, lines.start)
+    length, weight = lines.length * boxes.width[owner, axis], lines.weight * volumes[owner]
+    return VolumePart(Lines(boxes.row[owner], start, axis, length, weight), float(volumes[forced].sum()))
 
 
 def _integrate_boundary(
@@ -231,30 +233,44 @@ def _integrate_boundary(
 
 
 def _whole(boxes: Boxes, rows: Integers, order: int) -> VolumePart:
-    """Tensor Gauss rule on whole boxes."""
+    """Tensor Gauss rule on whole boxes: lines in the last direction."""
     t, w = gauss(order)
     d = boxes.dimension
-    tensor = np.asarray(list(product(t, repeat=d)))
-    nodes = boxes.lower[rows, None, :] + boxes.width[rows, None, :] * tensor
-    weights = boxes.width[rows].prod(axis=1)[:, None] * tensor_weights(w, d)
-    return VolumePart(np.repeat(boxes.row[rows], len(tensor)), nodes.reshape(-1, d), weights.ravel())
+    tensor = np.asarray(list(product(*[t] * (d - 1), [0.0])))
+    width = boxes.width[rows]
+    start = boxes.lower[rows, None, :] + width[:, None, :] * tensor
+    weight = width.prod(axis=1)[:, None] * tensor_weights(w, d - 1)
+    each = len(tensor)
+    axis = np.full(len(rows) * each, d - 1)
+    length = np.repeat(width[:, -1], each)
+    return VolumePart(
+        Lines(np.repeat(boxes.row[rows], each), start.reshape(-1, d), axis, length, weight.ravel())
+    )
 
 
 def _fallback(logic: Logic, boxes: Boxes, order: int) -> VolumePart:
-    """Gauss points of the boxes that lie inside; the volume of the boxes is unresolved."""
+    """Gauss points of the boxes that lie inside, as lines without length; the volume of the boxes is unresolved."""
     d = boxes.dimension
-    t, _ = gauss(order)
+    t, w = gauss(order)
     values = boxes.c
     matrix = bernstein.basis(boxes.degree, t)
     for axis in range(-d, 0):
         values = bernstein.transform(matrix, values, axis)
     n, m = boxes.slots.shape
     positive = values.reshape(n, m, -1) > 0
-    signs = np.repeat(boxes.signs, positive.shape[2], axis=0)
-    slots = np.repeat(boxes.slots, positive.shape[2], axis=0)
+    each = positive.shape[2]
+    signs = np.repeat(boxes.signs, each, axis=0)
+    slots = np.repeat(boxes.slots, each, axis=0)
     slot_signs = np.where(positive, 1, -1).astype(np.int8).transpose(0, 2, 1).reshape(-1, m)
     np.put_along_axis(signs, slots, slot_signs, axis=1)
     inside = np.flatnonzero(logic.value(signs) > 0)
-    whole = _whole(boxes, np.arange(n), order)
-    lost = float(boxes.width.prod(axis=1).sum())
-    return VolumePart(whole.row[inside], whole.nodes[inside], whole.weights[inside], lost)
+    nodes = boxes.lower[:, None, :] + boxes.width[:, None, :] * np.asarray(list(product(t, repeat=d)))
+    volume = boxes.width.prod(axis=1)
+    points = Lines(
+        np.repeat(boxes.row, each),
+        nodes.reshape(-1, d),
+        np.zeros(n * each, dtype=np.int64),
+        np.zeros(n * each),
+        np.multiply.outer(volume, tensor_weights(w, d)).ravel(),
+    )
+    return VolumePart(points.take(inside), float(volume.sum()))

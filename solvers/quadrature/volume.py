@@ -2,8 +2,8 @@
 
 Notation: the axes of the coefficient arrays are ``x`` (the height direction), ``y`` and, in three dimensions, ``z``
 last.  Base lines are broken wherever the structure of the lines along ``x`` changes (a height enters or leaves the
-box, two heights meet), lines are broken at their roots, every piece gets a Gauss rule, and pieces inside the domain
-are kept: all weights are positive and the integrand is smooth on each piece (R. Saye, SIAM J. Sci. Comput. 37, 2015).
+box, two heights meet), lines are broken at their roots, and pieces inside the domain are kept; each carries a Gauss
+rule: all weights are positive and the integrand is smooth on each piece (R. Saye, SIAM J. Sci. Comput. 37, 2015).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.quadrature.heights import edge_breaks, face_roots, height, meetings, restrict, triple_points
+from solvers.quadrature.lines import Lines
 from solvers.quadrature.pieces import SHORTEST, broken, gauss
 
 if TYPE_CHECKING:
@@ -53,23 +54,20 @@ class Graphs:
         return Graphs(c.reshape(-1, *c.shape[2:]), self.noise[where], self.upright[where], self.table[where])
 
 
-@dataclass(frozen=True, eq=False)
-class Points:
-    """A flat rule: box numbers ``(N,)``, coordinates ``(N, d)`` in box units (``x, y[, z]``), weights ``(N,)``."""
-
-    owner: Integers
-    at: Array
-    weight: Array
-
-
-def volume_points(graphs: Graphs, order: int) -> Points:
-    """Return the rule for the domain in all boxes."""
+def volume_lines(graphs: Graphs, order: int) -> Lines:
+    """Return the lines along ``x`` that make up the domain in all boxes, in box units, axes ``x, y[, z]``."""
     if graphs.c.ndim == 4:
         return _plane(graphs, order)
     owner, z, weight = base_nodes(graphs, order, all_pairs(graphs), all_triples(graphs))
     plane = _plane(graphs.slices(owner, z), order)
-    at = np.column_stack([plane.at, z.ravel()[plane.owner]])
-    return Points(np.repeat(owner, order)[plane.owner], at, plane.weight * weight.ravel()[plane.owner])
+    start = np.column_stack([plane.start, z.ravel()[plane.owner]])
+    return Lines(
+        np.repeat(owner, order)[plane.owner],
+        start,
+        plane.axis,
+        plane.length,
+        plane.weight * weight.ravel()[plane.owner],
+    )
 
 
 def all_pairs(graphs: Graphs) -> list[tuple[int, int]]:
@@ -106,7 +104,7 @@ def line_breaks(graphs: Graphs, slots: slice, pairs: list[tuple[int, int]]) -> l
     return breaks
 
 
-def _plane(graphs: Graphs, order: int) -> Points:
+def _plane(graphs: Graphs, order: int) -> Lines:
     t, w = gauss(order)
     pieces = broken(len(graphs.c), line_breaks(graphs, slice(None), all_pairs(graphs)))
     owner = pieces.owner
@@ -130,8 +128,6 @@ def _plane(graphs: Graphs, order: int) -> Points:
         code |= positive.astype(np.int64) << a
     inside = graphs.table[owner[:, None, None], code]
     p, q, s = np.nonzero(inside & (length > SHORTEST))
-    start, step = ends[p, q, s], length[p, q, s]
-    x = start[:, None] + step[:, None] * t
-    weight = (pieces.length[p] * w[q] * step)[:, None] * w
-    at = np.stack([x, np.broadcast_to(y[p, q][:, None], x.shape)], axis=-1)
-    return Points(np.repeat(owner[p], order), at.reshape(-1, 2), weight.ravel())
+    step = length[p, q, s]
+    start = np.stack([ends[p, q, s], y[p, q]], axis=1)
+    return Lines(owner[p], start, np.zeros(len(p), dtype=np.int64), step, pieces.length[p] * w[q] * step)

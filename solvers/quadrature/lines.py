@@ -1,0 +1,165 @@
+"""Rules on line segments: what the height functions give, kept as lines until points are asked for.
+
+Notation: a *line* is a segment ``start + [0, length] e_k`` in a cell, ``k`` its ``axis``, in unit coordinates of the
+cell; it carries a Gauss rule of ``order`` points whose weights are ``weight * w_q`` (:math:`\\sum_q w_q = 1`).  A rule
+on ``N`` points is stored as ``N / order`` lines, and its moments are sums over lines
+(:mod:`solvers.quadrature.moments`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.quadrature.batch import PointBatch, PointRule, members, ranked, spans
+from solvers.quadrature.pieces import gauss
+
+if TYPE_CHECKING:
+    from rfm.calculus.types import Array
+    from solvers.grid import Grid, Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """A flat list of lines.
+
+    Attributes
+    ----------
+    owner
+        Number of the box or cell each line lies in, shape ``(L,)``.
+    start
+        First end, shape ``(L, d)``.
+    axis
+        Direction, shape ``(L,)``.
+    length, weight
+        Length and total weight, shape ``(L,)``.
+    """
+
+    owner: Integers
+    start: Array
+    axis: Integers
+    length: Array
+    weight: Array
+
+    def take(self, rows: Integers) -> Lines:
+        """Return some of the lines."""
+        return Lines(
+            self.owner[rows], self.start[rows], self.axis[rows], self.length[rows], self.weight[rows]
+        )
+
+    def points(self, order: int) -> tuple[Integers, Array, Array]:
+        """Return owners ``(N,)``, coordinates ``(N, d)`` and weights ``(N,)`` of Gauss points, `order` on each line."""
+        t, w = gauss(order)
+        nodes = np.repeat(self.start[:, None, :], order, axis=1)
+        for k in range(self.start.shape[1]):
+            nodes[:, :, k] += np.where(self.axis == k, self.length, 0.0)[:, None] * t
+        weights = np.multiply.outer(self.weight, w).ravel()
+        return np.repeat(self.owner, order), nodes.reshape(-1, nodes.shape[2]), weights
+
+    @staticmethod
+    def joined(parts: Sequence[Lines], dimension: int) -> Lines:
+        """Return one list of all lines."""
+        none = np.zeros(0, dtype=np.int64)
+        empty = Lines(none, np.zeros((0, dimension)), none, np.zeros(0), np.zeros(0))
+        whole = [empty, *parts]
+        return Lines(
+            np.concatenate([part.owner for part in whole]),
+            np.concatenate([part.start for part in whole]),
+            np.concatenate([part.axis for part in whole]),
+            np.concatenate([part.length for part in whole]),
+            np.concatenate([part.weight for part in whole]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class LineRule:
+    """Each cell has lines of its own, in any number; cells are ordered by that number.
+
+    Parameters
+    ----------
+    cells
+        Cell indices, shape ``(n, d)``, none twice.
+    begin
+        The lines of cell ``i`` are those from ``begin[i]`` to ``begin[i + 1] - 1``; shape ``(n + 1,)``.
+    lines
+        The lines; ``owner`` is the row of the cell, weights are physical.
+    order
+        Gauss points on each line.
+    """
+
+    cells: Integers
+    begin: Integers
+    lines: Lines
+    order: int
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self.order * len(self.lines.length)
+
+    def __len__(self) -> int:
+        """Number of cells."""
+        return len(self.cells)
+
+    @property
+    def first(self) -> Integers:
+        """The points of cell ``i`` are those from ``first[i]`` to ``first[i + 1] - 1``; shape ``(n + 1,)``."""
+        return self.order * self.begin
+
+    @property
+    def counts(self) -> Integers:
+        """Number of points of each cell, shape ``(n,)``."""
+        return np.diff(self.first)
+
+    @property
+    def nodes(self) -> Array:
+        """Unit coordinates of the points, shape ``(N, d)``."""
+        return self.lines.points(self.order)[1]
+
+    @property
+    def weights(self) -> Array:
+        """Physical weights of the points, shape ``(N,)``."""
+        return np.multiply.outer(self.lines.weight, gauss(self.order)[1]).ravel()
+
+    def on_points(self) -> PointRule:
+        """Return the rule with its points laid out."""
+        _, nodes, weights = self.lines.points(self.order)
+        return PointRule(self.cells, self.first, nodes, weights)
+
+    def points(self, grid: Grid) -> tuple[Array, ...]:
+        """Return physical coordinates, one array ``(N,)`` per direction."""
+        return self.on_points().points(grid)
+
+    def take(self, rows: slice | Integers) -> LineRule:
+        """Return some of the cells (in ascending order)."""
+        chosen = np.arange(len(self))[rows]
+        begin, where = members(self.begin, chosen)
+        return LineRule(self.cells[chosen], begin, self.lines.take(where), self.order)
+
+    def padded(self) -> PointBatch:
+        """Return the rule with as many points in every cell."""
+        return self.on_points().padded()
+
+    def chunks(self, max_points: int) -> Iterator[PointBatch]:
+        """Cut into padded batches of at most about ``max_points`` points, padding included."""
+        for span in spans(self.counts, max_points):
+            yield self.take(span).padded()
+
+    @classmethod
+    def gather(cls, cells: Integers, lines: Lines, order: int) -> LineRule:
+        """Sort a flat list of lines by cells.
+
+        Parameters
+        ----------
+        cells
+            Cells that the owners of lines refer to, shape ``(n, d)``; those without a line are left out.
+        lines
+            The lines, with physical weights.
+        order
+            Gauss points on each line.
+        """
+        ranking, begin, place = ranked(lines.owner, len(cells))
+        return cls(cells[ranking], begin, lines.take(place), order)
