@@ -58,19 +58,20 @@ def _line_moments(rule: LineRule, m: int) -> Array:
     A polynomial of degree ``m - 1`` needs no more than ``(m + 1) // 2`` points on a line, whatever the rule has.
     """
     d = rule.cells.shape[1]
-    t, w = gauss(min(rule.order, (m + 1) // 2))
+    points = gauss(min(rule.order, (m + 1) // 2))
+    lines = rule.lines
     found = np.empty((len(rule), m**d))
-    for span in spans(np.diff(rule.begin), PRODUCTS // (m * (d + 1) + m ** (d - 1))):
-        lines = rule.lines
+    for span in spans(np.diff(rule.begin), PRODUCTS // (m * (d + 2) + m ** (d - 1))):
         where, valid = padding(rule.begin[span.start : span.stop + 1])
-        start = np.moveaxis(lines.start[where], -1, 1)
         axis, length = lines.axis[where], lines.length[where]
         weight = np.where(valid, lines.weight[where], 0.0)
-        legendre = _legendre(np.ascontiguousarray(start), m)
-        x = np.take_along_axis(start, axis[:, None], axis=1)[:, 0]
-        along = sum(c * _legendre(x + length * s, m) for s, c in zip(t, w, strict=True)) * weight[:, None]
-        tables = [np.where((axis == k)[:, None], along, legendre[:, k]) for k in range(d)]
-        found[span] = _contracted(tables).reshape(-1, m**d)
+        start = [lines.start[where, k] for k in range(d)]
+        x = np.choose(axis, start)
+        along = np.zeros((m, *where.shape))
+        for t, w in zip(*points, strict=True):
+            along += _chebyshev(x + t * length, m) * (w * weight)
+        tables = [np.where(axis == k, along, _chebyshev(start[k], m)) for k in range(d)]
+        found[span] = _contracted(tables)
     return found
 
 
@@ -91,53 +92,52 @@ def nodal_moments(nodes: Array, values: Sequence[Array], m: int) -> Array:
     ndarray, shape (n, number of values, m**d)
     """
     n, q, d = nodes.shape
-    found = np.empty((n, len(values), m**d))
-    step = max(1, PRODUCTS // (q * (len(values) * m + m ** (d - 1))))
+    v = len(values)
+    found = np.empty((n, v * m**d))
+    step = max(1, PRODUCTS // (q * (m * (v + d) + m ** (d - 1))))
     for start in range(0, n, step):
         piece = slice(start, start + step)
-        legendre = _legendre(np.ascontiguousarray(nodes[piece].swapaxes(1, 2)), m)
-        stacked = np.stack([v[piece] for v in values], axis=1)
-        left = (stacked[:, :, None] * legendre[:, None, 0]).reshape(len(legendre), -1, q)
-        found[piece] = _contracted([left, *(legendre[:, k] for k in range(1, d))]).reshape(
-            -1, len(values), m**d
-        )
-    return found
+        first, *others = (_chebyshev(nodes[piece, :, k], m) for k in range(d))
+        left = np.concatenate([first * value[piece] for value in values])
+        found[piece] = _contracted([left, *others])
+    return found.reshape(n, v, m**d)
 
 
 def _contracted(tables: Sequence[Array]) -> Array:
-    """Sums over q of products of tables ``(n, v m, q)`` and ``(n, m, q)``, for the Lagrange basis: ``(n v, m, ..., m)``."""
+    """Sums over q of products of tables ``(v m, n, q)`` and ``(m, n, q)``, for the Lagrange basis: ``(n, v m**d)``."""
     first, others, *last = tables
-    n, m, q = others.shape
+    m, n, q = others.shape
     if last:
-        others = (others[:, :, None] * last[0][:, None]).reshape(n, m * m, q)
-    moments = first @ others.swapaxes(1, 2)
-    return _from_legendre(moments.reshape(-1, *[m] * len(tables)))
+        others = (others[:, None] * last[0]).reshape(m * m, n, q)
+    # the factors stay as they lie, cells in the middle: one small matrix product a cell
+    moments = first.swapaxes(0, 1) @ others.transpose(1, 2, 0)
+    return _from_chebyshev(moments, m, len(tables)).reshape(n, -1)
 
 
-def _legendre(t: Array, count: int) -> Array:
-    """Legendre polynomials on ``[0, 1]`` at ``t (..., q)``, shape ``(..., count, q)``."""
-    s = 2.0 * t - 1.0
-    values = np.ones((*t.shape[:-1], count, t.shape[-1]))
+def _chebyshev(t: Array, count: int) -> Array:
+    """Chebyshev polynomials of the interval ``[0, 1]`` at ``t (...)``, shape ``(count, ...)``."""
+    values = np.empty((count, *t.shape))
+    values[0] = 1.0
     if count > 1:
-        values[..., 1, :] = s
-    for k in range(1, count - 1):
-        values[..., k + 1, :] = ((2 * k + 1) / (k + 1)) * s * values[..., k, :]
-        values[..., k + 1, :] -= (k / (k + 1)) * values[..., k - 1, :]
+        np.multiply(t, 2.0, out=values[1])
+        values[1] -= 1.0
+        double = 2.0 * values[1]
+    for k in range(2, count):
+        np.multiply(double, values[k - 1], out=values[k])
+        values[k] -= values[k - 2]
     return values
 
 
 @cache
-def _legendre_to_lagrange(m: int) -> Array:
-    """Return the matrix ``T`` with ``L_k = sum_j T[k, j] P_j`` (discrete orthogonality at the Gauss nodes)."""
-    t, w = gauss(m)
-    return np.asarray(w[:, None] * (2.0 * np.arange(m) + 1.0) * _legendre(t, m).T)
+def _chebyshev_to_lagrange(m: int) -> Array:
+    """Return the matrix ``A`` with ``L_k = sum_j A[j, k] T_j``: the inverse of the values of T at the Gauss nodes."""
+    return np.asarray(np.linalg.inv(_chebyshev(gauss(m)[0], m).T))
 
 
-def _from_legendre(moments: Array) -> Array:
-    """Turn moments of Legendre polynomials into moments of the Lagrange basis, direction by direction."""
-    m = moments.shape[-1]
-    matrix = _legendre_to_lagrange(m)
-    for _ in range(moments.ndim - 1):
-        # Each pass transforms the last axis and rolls it to the front of the cell's axes.
-        moments = np.moveaxis(moments @ matrix.T, -1, 1)
-    return np.asarray(moments)
+def _from_chebyshev(moments: Array, m: int, dimension: int) -> Array:
+    """Turn moments of Chebyshev polynomials into moments of the Lagrange basis, direction by direction."""
+    matrix = _chebyshev_to_lagrange(m)
+    for _ in range(dimension):
+        # Each pass transforms the last direction and brings it to the front of the others.
+        moments = (moments.reshape(-1, m) @ matrix).reshape(-1, m ** (dimension - 1), m).swapaxes(1, 2)
+    return moments
