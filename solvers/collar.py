@@ -22,6 +22,7 @@ from solvers.background import Background
 from solvers.extension import extend, no_extension, touched
 from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointRule, TensorBatch
+from solvers.quadrature.lines import LineRule
 from solvers.quadrature.tensor import inner_rule
 from solvers.web import INNER, SplineSpace
 
@@ -133,8 +134,8 @@ def corner_cells(
     return found
 
 
-def only_volume(background: Background, rule: PointRule) -> Background:
-    """Background with nothing but one volume rule on points."""
+def only_volume(background: Background, rule: LineRule | PointRule) -> Background:
+    """Background with nothing but one volume rule in cells of its own."""
     rules = background.rules
     none = rows_of(rules.inner, np.zeros(len(rules.inner), dtype=bool))
     return replace(background, rules=replace(rules, inner=none, cut=rule, boundary={}), folded=None)

@@ -1,7 +1,7 @@
-"""Rules on line segments: what the height functions give, kept as lines until points are asked for.
+r"""Rules on line segments: what the height functions give, kept as lines until points are asked for.
 
 Notation: a *line* is a segment ``start + [0, length] e_k`` in a cell, ``k`` its ``axis``, in unit coordinates of the
-cell; it carries a Gauss rule of ``order`` points whose weights are ``weight * w_q`` (:math:`\\sum_q w_q = 1`).  A rule
+cell; it carries a Gauss rule of ``order`` points whose weights are ``weight * w_q`` (:math:`\sum_q w_q = 1`).  A rule
 on ``N`` points is stored as ``N / order`` lines, and its moments are sums over lines
 (:mod:`solvers.quadrature.moments`).
 """
