@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from rfm.calculus.r_systems import RSystem
 from rfm.errors import DiscretizationError
@@ -15,11 +16,11 @@ from solvers.bases.registry import basis
 from solvers.classify import Classification, classify
 from solvers.grid import Grid
 from solvers.problem import Discretization
-from solvers.quadrature import DomainRules, domain_rules
-from solvers.quadrature.batch import TensorBatch
-from solvers.quadrature.moments import fold
 from solvers.stopwatch import Stopwatch
-from solvers.web import SplineSpace
+
+if TYPE_CHECKING:
+    from solvers.quadrature import DomainRules
+    from solvers.quadrature.batch import TensorBatch
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,10 @@ def prepare(
     DiscretizationError
         The grid is too coarse for the degree; the message names a grid that would do.
     """
+    from solvers.quadrature import domain_rules
+    from solvers.quadrature.moments import fold
+    from solvers.web import SplineSpace
+
     degree, chosen = discretization.degree, basis(discretization.basis)
     chosen.require(degree, domain.dimension)
     with watch.phase("geometry"):

@@ -16,15 +16,13 @@ from rfm.errors import DiscretizationError
 from solvers.bases.basis import Basis
 from solvers.bases.registry import basis
 from solvers.device.backend import NONE
-from solvers.device.requirements import without_device
-from solvers.equations.density import Density
-from solvers.flux_conditions import derivatives
 from solvers.problem import Condition, Discretization, Periodic, Problem, SolverOptions
-from solvers.stopwatch import Stopwatch
-from solvers.systems import System
 
 if TYPE_CHECKING:
+    from solvers.equations.density import Density
     from solvers.pipeline import Assembly
+    from solvers.stopwatch import Stopwatch
+    from solvers.systems import System
 
 
 class Method(Protocol):
@@ -89,7 +87,11 @@ def refused(
     if why is not None:
         return Refusal("method", f"the method {method.name} does not suit the problem: {why}")
     order = method.order(problem)
-    added = derivatives(problem) if discretization.conditions == "exact" else 0
+    added = 0
+    if discretization.conditions == "exact":
+        from solvers.flux_conditions import derivatives
+
+        added = derivatives(problem)
     space = basis(discretization.basis)
     if space.smoothness(discretization.degree) < order + added:
         return Refusal("degree", too_rough(method, space, order, added, discretization.degree))
@@ -121,14 +123,15 @@ def refused(
         return Refusal(
             "conditions", "conditions: exact has no structure across interfaces: use conditions: natural"
         )
-    suitable = method.linear_solvers(problem)
-    if options.linear not in ("auto", *suitable):
+    if options.linear != "auto" and options.linear not in method.linear_solvers(problem):
         return Refusal(
             "linear",
             f"the linear solver {options.linear} does not suit the method {method.name}: choose auto or one of "
-            f"{', '.join(suitable)}",
+            f"{', '.join(method.linear_solvers(problem))}",
         )
     if options.device != NONE:
+        from solvers.device.requirements import without_device
+
         why = without_device(method.name, problem, discretization, options)
         return None if why is None else Refusal("device", why)
     return None

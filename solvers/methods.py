@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from solvers.collocation import Collocation
-from solvers.galerkin import Galerkin
-from solvers.least_squares import LeastSquares
+from rfm.lazy import Registry
 from solvers.method import Method
-from solvers.ritz import Ritz
 
-METHODS: dict[str, Method] = {
-    method.name: method for method in (Ritz(), LeastSquares(), Galerkin(), Collocation())
-}
+METHODS: Registry[Method] = Registry(
+    {
+        "ritz": "solvers.ritz:Ritz",
+        "least-squares": "solvers.least_squares:LeastSquares",
+        "galerkin": "solvers.galerkin:Galerkin",
+        "collocation": "solvers.collocation:Collocation",
+    },
+    made=lambda kind: kind(),
+)
 """The methods by name."""

@@ -12,17 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rfm.calculus.types import Array
-from solvers import pipeline
 from solvers.boundary import natural_density
-from solvers.equations.density import QuadraticDensity
-from solvers.linear.choice import METHODS
-from solvers.linear.lattice import lattice_of
 from solvers.problem import Condition, Dirichlet, Discretization, Problem, SolverOptions
-from solvers.solution import Solution
-from solvers.stopwatch import Listener, Stopwatch
-from solvers.systems import EnergySystem
+
+# `rfm check` asks a method whether it suits and solves nothing: the solvers are imported where they are used
+if TYPE_CHECKING:
+    from solvers.equations.density import QuadraticDensity
+    from solvers.pipeline import Assembly
+    from solvers.solution import Solution
+    from solvers.stopwatch import Listener, Stopwatch
+    from solvers.systems import EnergySystem
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ class Ritz:
 
     def linear_solvers(self, problem: Problem) -> tuple[str, ...]:
         """Those for symmetric matrices."""
+        from solvers.linear.choice import METHODS
+
         return tuple(METHODS)
 
     def refusal(self, problem: Problem) -> str | None:
@@ -77,8 +81,11 @@ class Ritz:
             return None
         return natural_density(problem, condition, coords, normals)
 
-    def system(self, assembly: pipeline.Assembly, watch: Stopwatch) -> EnergySystem:
+    def system(self, assembly: Assembly, watch: Stopwatch) -> EnergySystem:
         """Matrix and load of the energy."""
+        from solvers.linear.lattice import lattice_of
+        from solvers.systems import EnergySystem
+
         matrix, load = assembly.run(watch)
         return EnergySystem(matrix, load, lattice_of(assembly.assembler.spaces))
 
@@ -90,4 +97,6 @@ def solve(
     listener: Listener | None = None,
 ) -> Solution:
     """Solve `problem` by the Ritz method; see :func:`solvers.pipeline.solve`."""
+    from solvers import pipeline
+
     return pipeline.solve(problem, discretization, Ritz(), options, listener)

@@ -6,37 +6,25 @@ Their first argument is ``of``: a shape, or for blends a list of shapes.  Angles
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import MappingProxyType
 
-from rfm.geometry.blending import blend, bounded_blend, displacement_blend, offset, shell
 from rfm.geometry.shape import Shape
-from rfm.geometry.transforms import (
-    cyclic,
-    extrude,
-    projection,
-    repeat,
-    repeat_series,
-    revolve,
-    screw,
-    section,
-    sweep,
-)
+from rfm.lazy import Registry
 
-DERIVED: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
+DERIVED: Registry[Callable[..., Shape]] = Registry(
     {
-        "blend": blend,
-        "displacement_blend": displacement_blend,
-        "bounded_blend": bounded_blend,
-        "offset": offset,
-        "shell": shell,
-        "repeat": repeat,
-        "repeat_series": repeat_series,
-        "cyclic": cyclic,
-        "sweep": sweep,
-        "extrude": extrude,
-        "revolve": revolve,
-        "screw": screw,
-        "section": section,
-        "projection": projection,
+        "blend": "rfm.geometry.blending:blend",
+        "displacement_blend": "rfm.geometry.blending:displacement_blend",
+        "bounded_blend": "rfm.geometry.blending:bounded_blend",
+        "offset": "rfm.geometry.blending:offset",
+        "shell": "rfm.geometry.blending:shell",
+        "repeat": "rfm.geometry.transforms:repeat",
+        "repeat_series": "rfm.geometry.transforms:repeat_series",
+        "cyclic": "rfm.geometry.transforms:cyclic",
+        "sweep": "rfm.geometry.transforms:sweep",
+        "extrude": "rfm.geometry.transforms:extrude",
+        "revolve": "rfm.geometry.transforms:revolve",
+        "screw": "rfm.geometry.transforms:screw",
+        "section": "rfm.geometry.transforms:section",
+        "projection": "rfm.geometry.transforms:projection",
     }
 )

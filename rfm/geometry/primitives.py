@@ -7,22 +7,16 @@ of the case file (angles, there, are converted to radians by the reader of the f
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import MappingProxyType
 
 from rfm.calculus.types import Field
 from rfm.errors import GeometryError
 from rfm.geometry import support
-from rfm.geometry.boundaries.curve import curve
 from rfm.geometry.box import Box
 from rfm.geometry.checks import positive, shown
-from rfm.geometry.outlines.outline import outline
-from rfm.geometry.outlines.polygon import polygon
-from rfm.geometry.outlines.polyhedron import polyhedron
-from rfm.geometry.primitives_1d import interval
-from rfm.geometry.primitives_2d import Vector, disk, ellipse, half_plane, rectangle, strip
-from rfm.geometry.primitives_3d import ball, box, cone, cylinder, ellipsoid, half_space, slab, torus
+from rfm.geometry.primitives_2d import Vector
 from rfm.geometry.shape import Shape, single
 from rfm.geometry.surface import Surface
+from rfm.lazy import Registry
 
 
 def function(
@@ -73,26 +67,26 @@ def function(
     return single(surface, dimension, reach)
 
 
-KINDS: MappingProxyType[str, Callable[..., Shape]] = MappingProxyType(
+KINDS: Registry[Callable[..., Shape]] = Registry(
     {
-        "interval": interval,
-        "half_plane": half_plane,
-        "disk": disk,
-        "ellipse": ellipse,
-        "rectangle": rectangle,
-        "strip": strip,
-        "polygon": polygon,
-        "outline": outline,
-        "half_space": half_space,
-        "ball": ball,
-        "ellipsoid": ellipsoid,
-        "box": box,
-        "slab": slab,
-        "cylinder": cylinder,
-        "cone": cone,
-        "torus": torus,
-        "polyhedron": polyhedron,
-        "curve": curve,
-        "function": function,
+        "interval": "rfm.geometry.primitives_1d:interval",
+        "half_plane": "rfm.geometry.primitives_2d:half_plane",
+        "disk": "rfm.geometry.primitives_2d:disk",
+        "ellipse": "rfm.geometry.primitives_2d:ellipse",
+        "rectangle": "rfm.geometry.primitives_2d:rectangle",
+        "strip": "rfm.geometry.primitives_2d:strip",
+        "polygon": "rfm.geometry.outlines.polygon:polygon",
+        "outline": "rfm.geometry.outlines.outline:outline",
+        "half_space": "rfm.geometry.primitives_3d:half_space",
+        "ball": "rfm.geometry.primitives_3d:ball",
+        "ellipsoid": "rfm.geometry.primitives_3d:ellipsoid",
+        "box": "rfm.geometry.primitives_3d:box",
+        "slab": "rfm.geometry.primitives_3d:slab",
+        "cylinder": "rfm.geometry.primitives_3d:cylinder",
+        "cone": "rfm.geometry.primitives_3d:cone",
+        "torus": "rfm.geometry.primitives_3d:torus",
+        "polyhedron": "rfm.geometry.outlines.polyhedron:polyhedron",
+        "curve": "rfm.geometry.boundaries.curve:curve",
+        "function": "rfm.geometry.primitives:function",
     }
 )

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.grid import Grid
-from solvers.quadrature.batch import PointBatch, TensorBatch
 
 if TYPE_CHECKING:
     from solvers.classify import Classification
+    from solvers.quadrature.batch import PointBatch, TensorBatch
 
 Mask = NDArray[np.bool_]
 Finer: TypeAlias = "Callable[[int], Classification]"

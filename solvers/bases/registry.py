@@ -5,13 +5,19 @@ from __future__ import annotations
 from difflib import get_close_matches
 
 from rfm.errors import DiscretizationError
+from rfm.lazy import Registry
 from solvers.bases.basis import Basis
-from solvers.bases.radial import RADIAL
-from solvers.bases.spline import B_SPLINE, WEB_SPLINE
-from solvers.bases.tensor import CHEBYSHEV, LEGENDRE, TRIGONOMETRIC
 
-_ALL: tuple[Basis, ...] = (WEB_SPLINE, B_SPLINE, CHEBYSHEV, LEGENDRE, TRIGONOMETRIC, RADIAL)
-BASES: dict[str, Basis] = {basis.name: basis for basis in _ALL}
+BASES: Registry[Basis] = Registry(
+    {
+        "web-spline": "solvers.bases.spline:WEB_SPLINE",
+        "b-spline": "solvers.bases.spline:B_SPLINE",
+        "chebyshev": "solvers.bases.tensor:CHEBYSHEV",
+        "legendre": "solvers.bases.tensor:LEGENDRE",
+        "trigonometric": "solvers.bases.tensor:TRIGONOMETRIC",
+        "radial": "solvers.bases.radial:RADIAL",
+    }
+)
 
 
 def basis(name: str) -> Basis:

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rfm.app.cli.application import app
+from rfm.app.cli.output import table
 from rfm.errors import NumericsError
 
 CASE = """\
@@ -244,6 +245,60 @@ def test_help_imports_nothing_heavy():
     code = f"import sys\nfrom rfm.app.cli.application import app\nprint([m for m in {HEAVY!r} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+UNUSED = {
+    "check": (
+        "scipy",
+        "matplotlib",
+        "h5py",
+        "jinja2",
+        "rich",
+        "solvers.pipeline",
+        "solvers.linear",
+        "structures.catalogue",
+    ),
+    "run": (
+        "matplotlib.pyplot",
+        "rich.table",
+        "solvers.collocation",
+        "solvers.bases.radial",
+        "rfm.geometry.voxels",
+    ),
+}
+"""Modules that a command can do without; besides, none needs those of the next line."""
+NEVER = (
+    "jax",
+    "pyvista",
+    "vtk",
+    "pyamg",
+    "meshio",
+    "distributed",
+    "rfm.geometry.transforms",
+    "rfm.geometry.outlines",
+)
+
+
+@pytest.mark.parametrize("command", UNUSED)
+def test_a_command_imports_what_it_needs(folder, command):
+    code = (
+        "import sys\nfrom rfm.app.cli import main\n"
+        f"try:\n    main()\nfinally:\n    print([m for m in {UNUSED[command] + NEVER!r} if m in sys.modules])"
+    )
+    arguments = [sys.executable, "-c", code, command, "annulus.yaml"]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_wide_tables_go_on_in_the_next_line(capsys):
+    table(("name", "n", "text"), [("a", 1, "word " * 40), ("bc", 12.5, "x" * 150)], False, title="Title")
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("Title")
+    assert lines[2].split() == ["name", "n", "text"]
+    assert set(lines[3]) == {"─"}
+    assert lines[4].split()[:3] == ["a", "1", "word"]
+    assert len(lines) == 9  # two more lines of text, and an empty one
+    assert max(map(len, lines)) <= 120
 
 
 def test_help_answers_at_once():

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any, TextIO
+
+WIDTH, NARROWEST = 120, 12
+"""Columns of a line that goes to no terminal, and of a cell that is not made narrower."""
 
 
 def stream(as_json: bool) -> TextIO:
@@ -18,21 +24,32 @@ def say(text: str, as_json: bool) -> None:
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[Any]], as_json: bool, title: str = "") -> None:
-    """Print a table; numbers are right-aligned."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    drawn = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
+    """Print a table; numbers are right-aligned, long texts go on in the next line."""
     content = [[shown(value) for value in row] for row in rows]
-    numeric = [bool(content) and all(_is_number(row[i]) for row in content) for i in range(len(columns))]
-    for name, right in zip(columns, numeric, strict=True):
-        drawn.add_column(name, justify="right" if right else "left", overflow="fold")
-    for row in content:
-        drawn.add_row(*row)
+    right = [bool(content) and all(_is_number(row[i]) for row in content) for i in range(len(columns))]
     output = stream(as_json)
-    width = None if output.isatty() else 120
-    Console(file=output, width=width, markup=False, highlight=False, emoji=False).print(drawn)
+    width = shutil.get_terminal_size().columns if output.isatty() else WIDTH
+    widths = _fitted([max(map(len, column)) for column in zip(columns, *content, strict=True)], width)
+    rule = ("─" if "utf" in (output.encoding or "").lower() else "-") * (sum(widths) + 2 * len(widths))
+    lines = [title] if title else []
+    for number, row in enumerate((columns, *content)):
+        cells = [textwrap.wrap(text, size) or [""] for text, size in zip(row, widths, strict=True)]
+        for parts in zip_longest(*cells, fillvalue=""):
+            line = "  ".join(
+                part.rjust(size) if flush else part.ljust(size)
+                for part, size, flush in zip(parts, widths, right, strict=True)
+            )
+            lines.append(f" {line}".rstrip())
+        lines += [rule] if number == 0 else []
+    print("\n".join(["", *lines, ""]), file=output)
+
+
+def _fitted(widths: list[int], total: int) -> list[int]:
+    """Widths of columns that fit into a line, the widest made narrower."""
+    while sum(widths) + 2 * len(widths) > total and max(widths) > NARROWEST:
+        widest = widths.index(max(widths))
+        widths[widest] -= 1
+    return widths
 
 
 def shown(value: Any) -> str:

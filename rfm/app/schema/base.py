@@ -20,7 +20,7 @@ class Strict(BaseModel):
     """
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, arbitrary_types_allowed=True, validate_default=False
+        extra="forbid", frozen=True, arbitrary_types_allowed=True, validate_default=False, defer_build=True
     )
 
     refused: ClassVar[Mapping[str, str]] = {}
