@@ -23,6 +23,7 @@ from solvers.linear.system import Indefinite
 from solvers.materials import materials_setting
 from solvers.method import Method, require
 from solvers.modes import mode_of
+from solvers.node_order import by_cell, ordered_points, ordered_weights
 from solvers.periodicity import fitted, periods_of, wraps_of
 from solvers.posed import require_posed
 from solvers.problem import Discretization, Problem, SolverOptions
@@ -187,11 +188,12 @@ class Assembly:
 
     def add_volume(self, batch: TensorBatch | PointBatch) -> None:
         """Add the functional over `batch`, whose nodes all lie in the domain."""
-        coords = batch.points(self.background.grid)
+        coords = ordered_points(batch, self.background.grid)
         density = self.method.volume(self.problem, coords)
         jet = stacked(self.structure, coords, self.method.order(self.problem))
         require_finite("solution structure", self.structure, coords, jet.offset)
-        self.assembler.add(batch, *density.pull_back(jet, batch.weights))
+        blocks, loads = density.pull_back(jet, ordered_weights(batch))
+        self.assembler.add(batch, by_cell(batch, blocks), by_cell(batch, loads))
 
     def add_folded(self, batch: TensorBatch) -> NDArray[np.bool_]:
         """Add the functional over the cut cells of a moment-fitted `batch`, except where it cannot be trusted.
@@ -205,17 +207,25 @@ class Assembly:
         ndarray of bool
             The cells left out, whose fine rule has to be used instead.
         """
-        coords = batch.points(self.background.grid)
+        coords = ordered_points(batch, self.background.grid)
         with np.errstate(all="ignore"):
             density = self.method.volume(self.problem, coords, check=False)
             jet = stacked(self.structure, coords, self.method.order(self.problem))
-            blocks, loads = density.pull_back(jet, np.ones_like(batch.weights))
-            rough = rough_cells([*blocks.values(), *loads.values()], batch.nodes, len(coords))
+            blocks, loads = density.pull_back(jet, 1.0)
+        shape = (-1, len(batch))
+        found = {id(array): array.reshape(shape) for array in (*blocks.values(), *loads.values())}
+        rough = rough_cells(list(found.values()), batch.nodes, len(coords))
         rough |= delicate(self.assembler.spaces)[tuple(batch.cells.T)]
-        for array in (*blocks.values(), *loads.values()):
-            array *= batch.weights
-            array[rough] = 0.0
-        self.assembler.add(batch, blocks, loads)
+        weights = ordered_weights(batch).reshape(shape)
+        weighted = {name: array * weights for name, array in found.items()}
+        if rough.any():
+            for array in weighted.values():
+                array[:, rough] = 0.0
+        self.assembler.add(
+            batch,
+            {key: weighted[id(array)].T for key, array in blocks.items()},
+            {key: weighted[id(array)].T for key, array in loads.items()},
+        )
         return rough
 
     def add_boundary(self) -> None:

@@ -36,7 +36,7 @@ def rough_cells(functions: Sequence[Array], nodes: Array, dim: int) -> NDArray[n
     Parameters
     ----------
     functions
-        Values at the m**d tensor Gauss nodes of n cells, each (n, m**d).
+        Values at the m**d tensor Gauss nodes of n cells, each (m**d, n); one that occurs again is looked at once.
     nodes
         The m nodes of one direction.
     dim
@@ -47,15 +47,22 @@ def rough_cells(functions: Sequence[Array], nodes: Array, dim: int) -> NDArray[n
     ndarray of bool, shape (n,)
     """
     m = len(nodes)
-    rough = np.zeros(len(functions[0]), dtype=bool)
-    transform = legendre_transform(m)
-    for values in functions:
-        finite = np.asarray(np.isfinite(values).all(axis=1))
-        rough |= ~finite
-        coefficients = np.where(finite[:, None], values, 0.0).reshape((-1,) + (m,) * dim)
-        largest = np.abs(coefficients).reshape(len(values), -1).max(axis=1)
-        for axis in range(1, dim + 1):
+    rough = np.zeros(functions[0].shape[1], dtype=bool)
+    highest = legendre_transform(m)[-2:]
+    for values in {id(f): f for f in functions}.values():
+        if not np.isfinite(values.sum()):
+            finite = np.asarray(np.isfinite(values).all(axis=0))
+            rough |= ~finite
+            values = np.where(finite, values, 0.0)
+        limit = TOLERANCE * _largest(values)
+        for axis in range(dim):
             # only the two highest degrees along this axis; the other axes stay nodal values
-            tail = np.tensordot(coefficients, transform[-2:], axes=(axis, 1))
-            rough |= np.abs(tail).reshape(len(values), -1).max(axis=1) > TOLERANCE * largest
+            tail = np.matmul(highest, values.reshape(m**axis, m, -1))
+            rough |= _largest(tail.reshape(-1, len(rough))) > limit
     return rough
+
+
+def _largest(values: Array) -> Array:
+    """Largest modulus in each column."""
+    result: Array = np.maximum(values.max(axis=0), -values.min(axis=0))
+    return result

@@ -24,6 +24,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial, prod
+from typing import TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,9 @@ from rfm.calculus.types import Array, Value
 from structures.expansion import coefficients, expand, is_zero, scaled
 from structures.field_expression import MultiIndex
 from structures.operator import Operator
+
+Shared: TypeAlias = dict[int, tuple[Value, Array]]
+"""Values, by identity, and the arrays over the points that they became."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,9 @@ class JetMatrix:
         ``(n_beta, *pts)``: partial derivatives of u0.
     entries
         ``entries[m][beta, alpha]`` is the array ``(*pts)`` of M_m[beta, alpha]; missing entries are zero.
-        Equal entries share memory and constants are broadcast views: do not write into them.
+        Equal entries are one array and constants are broadcast views: do not write into them.
+    offset_rows
+        Positions beta at which u0 can differ from zero, as the formula tells.
     """
 
     dimension: int
@@ -54,12 +60,18 @@ class JetMatrix:
     operator_order: int
     offset: Array
     entries: Mapping[int, Mapping[tuple[int, int], Array]]
+    offset_rows: tuple[int, ...]
 
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers (n_beta, n_alpha) of rows and columns."""
         total = self.order + self.operator_order
         return self.offset.shape[0], len(multi_indices(self.dimension, total))
+
+    @property
+    def known(self) -> list[tuple[int, Array]]:
+        """The derivatives of u0 that can differ from zero, with their positions."""
+        return [(row, self.offset[row]) for row in self.offset_rows]
 
     @cached_property
     def blocks(self) -> dict[int, Array]:
@@ -123,15 +135,20 @@ def evaluate_all(ops: Sequence[Operator], coords: Sequence[Array], order: int) -
     points = np.broadcast_shapes(*(c.shape for c in arrays))
     requests = [(f, order) for op in ops for f in (op.offset, *(t.coefficient for t in op.terms))]
     values = iter(expand(requests, arrays))
-    return [_matrix(op, values, points, order) for op in ops]
+    shared: Shared = {}
+    return [_matrix(op, values, points, order, shared) for op in ops]
 
 
-def _matrix(op: Operator, values: Iterator[Value], points: tuple[int, ...], order: int) -> JetMatrix:
+def _matrix(
+    op: Operator, values: Iterator[Value], points: tuple[int, ...], order: int, shared: Shared
+) -> JetMatrix:
     indices = multi_indices(op.dimension, order)
-    offset = np.zeros((len(indices), *points))
+    offset = np.empty((len(indices), *points))
+    rows = []
     for row, (index, c) in enumerate(zip(indices, coefficients(next(values), len(indices)), strict=True)):
+        offset[row] = scaled(prod(map(factorial, index)), c)
         if not is_zero(c):
-            offset[row] = scaled(prod(map(factorial, index)), c)
+            rows.append(row)
     entries: dict[int, dict[tuple[int, int], Value]] = {psi: {} for psi in op.unknowns}
     for term in op.terms:
         found = entries[term.psi]
@@ -142,12 +159,17 @@ def _matrix(op: Operator, values: Iterator[Value], points: tuple[int, ...], orde
             value = scaled(factor, taylor[source])
             found[position] = found[position] + value if position in found else value
     spread = {
-        psi: {
-            position: np.broadcast_to(np.asarray(value, float), points) for position, value in found.items()
-        }
+        psi: {position: _spread(value, points, shared) for position, value in found.items()}
         for psi, found in entries.items()
     }
-    return JetMatrix(op.dimension, order, op.order, offset, spread)
+    return JetMatrix(op.dimension, order, op.order, offset, spread, tuple(rows))
+
+
+def _spread(value: Value, points: tuple[int, ...], shared: Shared) -> Array:
+    """Value at all points, the same array for the same value."""
+    if id(value) not in shared:
+        shared[id(value)] = value, np.broadcast_to(np.asarray(value, float), points)
+    return shared[id(value)][1]
 
 
 @lru_cache(maxsize=256)
@@ -190,4 +212,5 @@ def stacked(ops: Sequence[Operator], coords: Sequence[Array], order: int) -> Jet
             )
     operator_order = max(matrix.operator_order for matrix in matrices)
     offset = np.concatenate([matrix.offset for matrix in matrices])
-    return JetMatrix(ops[0].dimension, order, operator_order, offset, entries)
+    rows = tuple(c * height + row for c, matrix in enumerate(matrices) for row in matrix.offset_rows)
+    return JetMatrix(ops[0].dimension, order, operator_order, offset, entries, rows)

@@ -18,9 +18,11 @@ so that assembly sees numbers only (Shapiro, Acta Numerica 2007, section 7).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
+
+import numpy as np
 
 from rfm.calculus.types import Array
 from solvers.equations.rows import Scalar
@@ -35,7 +37,7 @@ Loads = dict[Column, Array]
 class Density(Protocol):
     """A functional in the jet of u at points that can be expressed in the jets of the splines."""
 
-    def pull_back(self, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+    def pull_back(self, jet: JetMatrix, weights: Scalar) -> tuple[Blocks, Loads]:
         """Return blocks and loads, quadrature weights included; see :func:`pull_back`."""
         ...
 
@@ -58,7 +60,7 @@ class QuadraticDensity:
     linear: Mapping[int, Scalar]
     symmetric: bool = True
 
-    def pull_back(self, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+    def pull_back(self, jet: JetMatrix, weights: Scalar) -> tuple[Blocks, Loads]:
         """Density in the jets of the splines; see :func:`pull_back`."""
         return pull_back(self, jet, weights)
 
@@ -94,7 +96,7 @@ def squared(rows: Iterable[tuple[Mapping[int, Scalar], Scalar, Scalar]]) -> Quad
     return QuadraticDensity(hessian, linear)
 
 
-def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Scalar) -> tuple[Blocks, Loads]:
     """Density in the jets of the splines, times quadrature weights.
 
     Parameters
@@ -104,21 +106,30 @@ def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array) -> tupl
     jet
         Offset and jet matrix of the structure at the same points.
     weights
-        Quadrature weights, shape of the points.
+        Quadrature weights, shape of the points, or a number.
 
     Returns
     -------
     tuple
         ``C[(m, alpha), (m', alpha')]``, of a symmetric density for ``(m, alpha) <= (m', alpha')`` only, and
-        ``b[(m, alpha)]``; nonzero entries only, weights included.
+        ``b[(m, alpha)]``; nonzero entries only, weights included.  Equal entries may be one array: do not write
+        into them.
     """
     columns: dict[Column, list[tuple[int, Array]]] = {}
     for psi, matrix in jet.entries.items():
         for (row, alpha), entry in matrix.items():
             columns.setdefault((psi, alpha), []).append((row, entry))
-    form = density.columns()
-    images = {column: image(form, entries, weights) for column, entries in columns.items()}
-    start = image(form, list(enumerate(jet.offset)), weights)
+    times = Products()
+    form = {
+        column: [(row, times(entry, weights)) for row, entry in entries]
+        for column, entries in density.columns().items()
+    }
+    images = {column: image(form, entries, times) for column, entries in columns.items()}
+    # l - H v0: the rows of the load
+    right = {row: -value for row, value in image(form, jet.known, times).items()}
+    for row, value in density.linear.items():
+        term = times(value, weights)
+        right[row] = right[row] + term if row in right else term
 
     blocks: Blocks = {}
     loads: Loads = {}
@@ -126,31 +137,57 @@ def pull_back(density: QuadraticDensity, jet: JetMatrix, weights: Array) -> tupl
         for trial, product in images.items():
             if density.symmetric and trial < test:
                 continue
-            total = sum_products((entry, product[row]) for row, entry in entries if row in product)
+            total = sum_products([(entry, product[row]) for row, entry in entries if row in product], times)
             if total is not None:
                 blocks[test, trial] = total
-        pairs = [(entry, density.linear[row] * weights) for row, entry in entries if row in density.linear]
-        load = sum_products(pairs + [(-entry, start[row]) for row, entry in entries if row in start])
+        load = sum_products([(entry, right[row]) for row, entry in entries if row in right], times)
         if load is not None:
             loads[test] = load
     return blocks, loads
 
 
+class Products:
+    """Products that are computed once: equal entries of a structure are one array, and so are their products."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[Any, Any], tuple[Scalar, Scalar, Scalar]] = {}
+
+    def __call__(self, first: Scalar, second: Scalar) -> Scalar:
+        """Product of two factors."""
+        if isinstance(first, float) and first == 1.0:
+            return second
+        if isinstance(second, float) and second == 1.0:
+            return first
+        key = (_identity(first), _identity(second))
+        if key not in self._known:
+            # the factors are kept too: a number of theirs must not be given to another array
+            self._known[key] = first, second, first * second
+        return self._known[key][2]
+
+
+def _identity(factor: Scalar) -> Any:
+    return (factor,) if isinstance(factor, float) else id(factor)
+
+
 def image(
-    form: Mapping[int, list[tuple[int, Scalar]]], entries: Iterable[tuple[int, Array]], weights: Array
-) -> dict[int, Array]:
-    """``H x`` times the weights for a sparse column x of entries by row."""
-    product: dict[int, Array] = {}
+    form: Mapping[int, list[tuple[int, Scalar]]], entries: Iterable[tuple[int, Array]], times: Products
+) -> dict[int, Scalar]:
+    """``H x`` of a sparse column x of entries by row; `form` holds the entries of H by column."""
+    product: dict[int, Scalar] = {}
     for column, entry in entries:
         for row, coefficient in form.get(column, ()):
-            term = coefficient * entry
+            term = times(coefficient, entry)
             product[row] = product[row] + term if row in product else term
-    return {row: value * weights for row, value in product.items()}
+    return product
 
 
-def sum_products(pairs: Iterable[tuple[Array, Array]]) -> Array | None:
-    """Sum of the products of `pairs`, or None when there are none."""
-    total: Array | None = None
-    for left, right in pairs:
-        total = left * right if total is None else total + left * right
+def sum_products(pairs: Sequence[tuple[Array, Scalar]], times: Products) -> Array | None:
+    """Sum of the products of `pairs`, or None when there are none; a single product may be shared."""
+    if not pairs:
+        return None
+    if len(pairs) == 1:
+        return np.asarray(times(*pairs[0]))
+    total: Array = np.asarray(pairs[0][0] * pairs[0][1])
+    for left, right in pairs[1:]:
+        total += left * right
     return total

@@ -54,7 +54,7 @@ class SquaredDensity:
         """Return the rows in the jets of the splines."""
         return [pulled(square, jet) for square in self.squares]
 
-    def pull_back(self, jet: JetMatrix, weights: Array) -> tuple[Blocks, Loads]:
+    def pull_back(self, jet: JetMatrix, weights: Scalar) -> tuple[Blocks, Loads]:
         """Blocks of the normal equations and loads, quadrature weights included."""
         blocks: Blocks = {}
         loads: Loads = {}
