@@ -1,15 +1,15 @@
 """Which cells lie inside the domain, outside, or are cut by its boundary.
 
 Three tests, each on the cells the one before left open: interval bounds of the surface functions (first on blocks of
-cells), signs at the corners (a cell with corners inside and outside is cut), and bounds by Bernstein coefficients on
-ever smaller boxes.  What stays undecided counts as cut, so nothing thin is missed (for surfaces that are not
-polynomials the Bernstein bounds include a sampled interpolation error).
+cells); bounds by Bernstein coefficients and signs at the corners (a cell with corners inside and outside is cut); and
+bounds on ever smaller boxes.  What stays undecided counts as cut, so nothing thin is missed (for surfaces that are not
+polynomials the Bernstein bounds include a sampled interpolation error).  The coefficients are kept for the quadrature.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +17,8 @@ import numpy as np
 from rfm.calculus.intervals import Interval
 from rfm.errors import GeometryError
 from rfm.geometry.logic import Logic, Mask, Signs
-from solvers.quadrature.boxes import children, initial_boxes, strict_signs
-from solvers.quadrature.sampling import corner_points, degree_of, relative_noise, values_at
+from solvers.quadrature.boxes import Boxes, children, initial_boxes, merged, strict_signs
+from solvers.quadrature.sampling import degree_of, relative_noise
 
 if TYPE_CHECKING:
     from rfm.geometry.shape import Shape
@@ -47,6 +47,8 @@ class Classification:
         0 where the surface meets the closed cell.
     active
         Same shape: which surfaces meet the cell and matter for its state.
+    boxes
+        These cells with the polynomials of the surfaces that may matter there; rows are those of ``signs``.
     """
 
     grid: Grid
@@ -54,6 +56,7 @@ class Classification:
     touching: Mask
     signs: Signs
     active: Mask
+    boxes: tuple[Boxes, ...]
 
     @property
     def cut_cells(self) -> Integers:
@@ -87,7 +90,7 @@ def classify(domain: Shape, grid: Grid) -> Classification:
     state = np.full(grid.shape, OUTER, dtype=np.int8)
     touching = np.zeros(grid.shape, dtype=bool)
     flat, flat_touching = state.reshape(-1), touching.reshape(-1)
-    open_numbers, open_signs = [], []
+    found: list[_Open] = []
     for cells in _candidates(logic, grid, flat):
         signs = _interval_signs(logic, grid, cells, np.ones_like(cells))
         value = logic.value(signs)
@@ -95,27 +98,47 @@ def classify(domain: Shape, grid: Grid) -> Classification:
         flat[numbers] = value
         left = np.flatnonzero(value == 0)
         if left.size:
-            verdict, touches, signs = _decide(logic, grid, cells[left], signs[left])
+            boxes = initial_boxes(logic, grid, cells[left], signs[left], logic.relevant(signs[left]))
+            verdict, touches, signs = _decide(logic, boxes, len(left))
             flat[numbers[left]] = verdict
             flat_touching[numbers[left]] = touches
-            open_numbers.append(numbers[left])
-            open_signs.append(signs)
+            found.append(_Open(numbers[left], signs, boxes))
     if not (state >= 0).any():
         raise GeometryError(
             "the domain is empty or lies outside the grid: check the Boolean expression, and the box if one is given"
         )
-    signs = _gather(logic, flat, flat_touching, open_numbers, open_signs)
-    return Classification(grid, state, touching, signs, logic.relevant(signs))
+    signs, kept = _gather(len(logic.surfaces), flat, flat_touching, found)
+    return Classification(grid, state, touching, signs, logic.relevant(signs), kept)
 
 
-def _gather(logic: Logic, state: Signs, touching: Mask, numbers: list[Integers], signs: list[Signs]) -> Signs:
-    """Signs of the cut cells, then of the touching ones, each in the order of their numbers."""
-    if not numbers:
-        return np.zeros((0, len(logic.surfaces)), dtype=np.int8)
-    where, all_signs = np.concatenate(numbers), np.concatenate(signs)
-    order = np.argsort(where, kind="stable")
-    where, all_signs = where[order], all_signs[order]
-    return np.concatenate([all_signs[state[where] == CUT], all_signs[touching[where]]])
+@dataclass(frozen=True, eq=False)
+class _Open:
+    """Cells that intervals leave open: their numbers ``(n,)``, signs ``(n, S)`` and boxes."""
+
+    numbers: Integers
+    signs: Signs
+    boxes: list[Boxes]
+
+
+def _gather(
+    surfaces: int, state: Signs, touching: Mask, found: list[_Open]
+) -> tuple[Signs, tuple[Boxes, ...]]:
+    """Signs and boxes of the cut cells, then of the touching ones, each in the order of their numbers."""
+    if not found:
+        return np.zeros((0, surfaces), dtype=np.int8), ()
+    numbers = np.concatenate([some.numbers for some in found])
+    order = np.argsort(numbers, kind="stable")
+    chosen = np.concatenate([order[state[numbers[order]] == CUT], order[touching[numbers[order]]]])
+    place = np.full(len(numbers), -1)
+    place[chosen] = np.arange(len(chosen))
+    kept: list[Boxes] = []
+    start = 0
+    for some in found:
+        for boxes in some.boxes:
+            row = place[start + boxes.row]
+            kept.append(replace(boxes, row=row).take(np.flatnonzero(row >= 0)))
+        start += len(some.numbers)
+    return np.concatenate([some.signs for some in found])[chosen], tuple(merged(kept))
 
 
 def _numbers(grid: Grid, cells: Integers) -> Integers:
@@ -168,65 +191,65 @@ def _interval_signs(logic: Logic, grid: Grid, first: Integers, size: Integers) -
     return signs
 
 
-def _decide(logic: Logic, grid: Grid, cells: Integers, signs: Signs) -> tuple[Signs, Mask, Signs]:
-    """Decide cells that intervals leave open; also says which touch and returns refined signs."""
-    verdict = np.zeros(len(cells), dtype=np.int8)
-    touches = np.zeros(len(cells), dtype=bool)
-    active = logic.relevant(signs)
-    rest = np.flatnonzero(~_cut_by_corners(logic, grid, cells, signs, active))
-    if not rest.size:
-        return verdict, touches, signs
-    signs = signs.copy()
-    undecided = rest
-    for boxes in initial_boxes(logic, grid, cells, signs, active, rest):
-        strict = strict_signs(boxes)
-        signs[boxes.row] = strict
-        value = logic.value(boxes.all_signs)
-        verdict[boxes.row] = value
+def _decide(logic: Logic, boxes: list[Boxes], count: int) -> tuple[Signs, Mask, Signs]:
+    """Decide cells that intervals leave open; also says which touch and returns the signs of all surfaces."""
+    inside, outside, unknown, touches = (np.zeros(count, dtype=bool) for _ in range(4))
+    lowest = np.ones((count, len(logic.surfaces)), dtype=np.int8)
+    highest = -lowest
+    pending = []
+    for group in boxes:
+        strict = strict_signs(group)
+        np.minimum.at(lowest, group.row, strict)
+        np.maximum.at(highest, group.row, strict)
+        value = logic.value(group.all_signs)
+        inside[group.row[value > 0]] = True
+        outside[group.row[value < 0]] = True
         # Inside, though strictly speaking undecided: some surface lies on a face.
-        touches[boxes.row] = (value > 0) & (logic.value(strict) == 0)
-    undecided = rest[verdict[rest] == 0]
-    if undecided.size:
-        verdict[undecided] = _by_subdivision(logic, grid, cells, signs, undecided)
-    return verdict, touches, signs
+        touches[group.row[(value > 0) & (logic.value(strict) == 0)]] = True
+        rows = np.flatnonzero(value == 0)
+        if rows.size:
+            left = group.take(rows)
+            at_corners = _at_corners(logic, left)
+            inside[left.row[(at_corners > 0).any(axis=1)]] = True
+            outside[left.row[(at_corners < 0).any(axis=1)]] = True
+            pending.append(left)
+    for left in _halved(logic, pending, inside, outside):
+        unknown[left.row] = True
+    verdict = np.where(
+        inside & ~outside & ~unknown, INNER, np.where(outside & ~inside & ~unknown, OUTER, CUT)
+    ).astype(np.int8)
+    return verdict, touches & (verdict == INNER), np.where(lowest == highest, lowest, np.int8(0))
 
 
-def _cut_by_corners(logic: Logic, grid: Grid, cells: Integers, signs: Signs, active: Mask) -> Mask:
-    """Whether cells have a corner well inside and one well outside."""
-    corners = 2**grid.dimension
-    trial = np.repeat(signs, corners, axis=0)
-    for i, surface in enumerate(logic.surfaces):
-        rows = np.flatnonzero(active[:, i])
-        if not rows.size:
-            continue
-        values = values_at(surface, corner_points(grid, cells[rows]))
-        noise = 1e-10 * np.abs(values).max(axis=1, keepdims=True)
-        at = (rows[:, None] * corners + np.arange(corners)).ravel()
-        trial[at, i] = (np.where(values > noise, 1, 0) - np.where(values < -noise, 1, 0)).ravel()
-    value = logic.value(trial).reshape(len(cells), corners)
-    return np.asarray((value > 0).any(axis=1) & (value < 0).any(axis=1))
+def _at_corners(logic: Logic, boxes: Boxes) -> Signs:
+    """Value at the corners of boxes, shape ``(n, 2**d)``; 0 where it is not well inside or outside."""
+    n, m = boxes.slots.shape
+    ends = np.ix_(*[[0, boxes.degree]] * boxes.dimension)
+    # The coefficients at the corners are the values there.
+    values = boxes.c[(slice(None), slice(None), *ends)].reshape(n, m, -1)
+    noise = 1e-10 * np.abs(values).max(axis=2, keepdims=True)
+    slot_signs = (values > noise).astype(np.int8) - (values < -noise)
+    corners = values.shape[2]
+    signs = np.repeat(boxes.signs, corners, axis=0)
+    slots = np.repeat(boxes.slots, corners, axis=0)
+    np.put_along_axis(signs, slots, slot_signs.swapaxes(1, 2).reshape(-1, m), axis=1)
+    return logic.value(signs).reshape(n, corners)
 
 
-def _by_subdivision(logic: Logic, grid: Grid, cells: Integers, signs: Signs, rows: Integers) -> Signs:
-    """Verdict on rows of cells by bounds on smaller and smaller boxes."""
-    inside = np.zeros(len(cells), dtype=bool)
-    outside = np.zeros(len(cells), dtype=bool)
-    pending = list(initial_boxes(logic, grid, cells, signs, logic.relevant(signs), rows))
-    for _ in range(HALVINGS):
+def _halved(logic: Logic, pending: list[Boxes], inside: Mask, outside: Mask) -> list[Boxes]:
+    """Look at smaller and smaller boxes, note in which cells some lie inside and outside; what stays undecided."""
+    for step in range(HALVINGS + 1):
+        # A cell that is known to be cut needs no further look.
+        pending = [boxes.take(np.flatnonzero(~(inside & outside)[boxes.row])) for boxes in pending]
+        pending = [boxes for boxes in pending if len(boxes)]
+        if step == HALVINGS:
+            break
         following = []
         for boxes in pending:
-            halves = children(boxes, range(grid.dimension))
+            halves = children(boxes, range(boxes.dimension))
             value = logic.value(halves.all_signs)
             inside[halves.row[value > 0]] = True
             outside[halves.row[value < 0]] = True
             following.append(halves.take(np.flatnonzero(value == 0)))
-        # A cell that is known to be cut needs no further look.
-        pending = [b.take(np.flatnonzero(~(inside & outside)[b.row])) for b in following]
-        pending = [b for b in pending if len(b)]
-    unknown = np.zeros(len(cells), dtype=bool)
-    for boxes in pending:
-        unknown[boxes.row] = True
-    verdict = np.where(
-        inside & ~outside & ~unknown, INNER, np.where(outside & ~inside & ~unknown, OUTER, CUT)
-    )
-    return np.asarray(verdict[rows], dtype=np.int8)
+        pending = following
+    return pending

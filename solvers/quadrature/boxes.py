@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 RESAMPLINGS = 6
 """Halvings of a box in which a surface is not yet well approximated by its interpolant."""
 
+FEW, QUADRATIC = 300, 2
+"""So many boxes are not worth steps of their own for planes: these are taken for quadratic where some surface is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
@@ -121,9 +124,7 @@ def strict_signs(boxes: Boxes) -> Signs:
     return boxes._with(np.where(low > boxes.noise, 1, np.where(high < -boxes.noise, -1, 0)))
 
 
-def initial_boxes(
-    logic: Logic, grid: Grid, cells: Integers, signs: Signs, active: Mask, rows: Integers
-) -> Iterator[Boxes]:
+def initial_boxes(logic: Logic, grid: Grid, cells: Integers, signs: Signs, active: Mask) -> list[Boxes]:
     """Sample the active surfaces of cells; boxes are halved until the interpolants are accurate.
 
     Parameters
@@ -131,21 +132,17 @@ def initial_boxes(
     logic
         The domain.
     grid, cells
-        All cells ``(n, d)`` of the job.
+        The cells ``(n, d)``; every one has an active surface.
     signs, active
         Signs of all surfaces and which of them matter, shape ``(n, S)``.
-    rows
-        Which cells are wanted.
     """
-    d = grid.dimension
-    yield from _grouped(
-        logic, grid, cells, rows, np.zeros((len(rows), d)), np.ones((len(rows), d)), signs[rows], active[rows]
-    )
+    whole = np.zeros(cells.shape), np.ones(cells.shape)
+    return list(_by_degree(logic, grid, cells, np.arange(len(cells)), *whole, signs, active))
 
 
 def sampled_boxes(
     logic: Logic, grid: Grid, cells: Integers, rows: Integers, lower: Array, width: Array
-) -> Iterator[Boxes]:
+) -> list[Boxes]:
     """Sample all surfaces on boxes inside cells.
 
     Parameters
@@ -158,10 +155,10 @@ def sampled_boxes(
         Cell of each box, its corner and side lengths in unit coordinates of the cell.
     """
     signs = np.zeros((len(rows), len(logic.surfaces)), dtype=np.int8)
-    yield from _grouped(logic, grid, cells, rows, lower, width, signs, logic.relevant(signs))
+    return list(_by_degree(logic, grid, cells, rows, lower, width, signs, logic.relevant(signs)))
 
 
-def _grouped(
+def _by_degree(
     logic: Logic,
     grid: Grid,
     cells: Integers,
@@ -171,16 +168,24 @@ def _grouped(
     signs: Signs,
     active: Mask,
 ) -> Iterator[Boxes]:
-    """Group boxes by the number of active surfaces and their degree, and sample each group."""
+    """Split boxes by the highest degree of their active surfaces, and sample them."""
     degrees = np.array([degree_of(surface) for surface in logic.surfaces])
-    count = active.sum(axis=1)
-    degree = np.where(active, degrees, 1).max(axis=1)
-    for m, k in sorted(set(zip(count.tolist(), degree.tolist(), strict=True))):
-        chosen = np.flatnonzero((count == m) & (degree == k))
-        slots = np.nonzero(active[chosen])[1].reshape(len(chosen), m)
-        base = signs[chosen]
-        np.put_along_axis(base, slots, np.int8(0), axis=1)
-        yield from _sampled(logic, grid, cells, rows[chosen], lower[chosen], width[chosen], slots, base, k)
+    degree = np.where(active, degrees, 1).max(axis=1, initial=1)
+    if len(rows) <= FEW and degree.max(initial=1) == QUADRATIC:
+        degree[:] = QUADRATIC
+    for k in np.unique(degree):
+        chosen = np.flatnonzero(degree == k)
+        yield from _sampled(
+            logic,
+            grid,
+            cells,
+            rows[chosen],
+            lower[chosen],
+            width[chosen],
+            signs[chosen],
+            active[chosen],
+            int(k),
+        )
 
 
 def _sampled(
@@ -190,34 +195,37 @@ def _sampled(
     rows: Integers,
     lower: Array,
     width: Array,
-    slots: Integers,
     signs: Signs,
+    active: Mask,
     degree: int,
     depth: int = 0,
 ) -> Iterator[Boxes]:
-    n, m = slots.shape
-    d = grid.dimension
-    c = np.empty((n, m, *[degree + 1] * d))
-    noise = np.empty((n, m))
-    good = np.ones(n, dtype=bool)
-    for s in np.unique(slots):
-        box, slot = np.nonzero(slots == s)
-        samples = sample(logic.surfaces[s], grid, cells[rows[box]], lower[box], width[box], degree)
-        c[box, slot] = samples.coefficients
-        noise[box, slot] = samples.noise + samples.error
-        good[box] &= samples.good
-    if depth == RESAMPLINGS:
-        good[:] = True
-    if good.any():
-        keep = np.flatnonzero(good)
-        levels = np.full(len(keep), depth)
+    """Sample all surfaces at once, then group boxes by the number of active ones."""
+    box, surface = np.nonzero(active)
+    samples = sample(logic.surfaces, surface, box, grid, cells[rows], lower, width, degree)
+    good = np.ones(len(rows), dtype=bool)
+    if depth < RESAMPLINGS:
+        good[box[~samples.good]] = False
+    count = active.sum(axis=1)
+    first = np.cumsum(count) - count
+    signs = np.where(active, np.int8(0), signs)
+    for m in np.unique(count[good]):
+        keep = np.flatnonzero(good & (count == m))
+        slots = first[keep, None] + np.arange(m)
         yield Boxes(
-            rows[keep], lower[keep], width[keep], slots[keep], c[keep], noise[keep], signs[keep], levels
+            rows[keep],
+            lower[keep],
+            width[keep],
+            surface[slots],
+            samples.coefficients[slots],
+            samples.noise[slots],
+            signs[keep],
+            np.full(len(keep), depth),
         )
     bad = np.flatnonzero(~good)
     if bad.size:
         half = 0.5 * width[bad]
-        for corner in np.ndindex(*[2] * d):
+        for corner in np.ndindex(*[2] * grid.dimension):
             yield from _sampled(
                 logic,
                 grid,
@@ -225,8 +233,8 @@ def _sampled(
                 rows[bad],
                 lower[bad] + half * corner,
                 half,
-                slots[bad],
                 signs[bad],
+                active[bad],
                 degree,
                 depth + 1,
             )

@@ -13,7 +13,6 @@ from rfm.calculus.jets import partials
 from rfm.geometry.logic import Logic
 from rfm.geometry.surface import Surface
 from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
-from solvers.quadrature.boxes import initial_boxes
 from solvers.quadrature.lines import LineRule, Lines
 from solvers.quadrature.recursion import BoundaryPart, VolumePart, boundary_rule, volume_rule
 from solvers.quadrature.sampling import is_exact
@@ -96,8 +95,7 @@ def domain_rules(domain: Shape, classification: Classification, inner: int, cut:
     logic = Logic(domain.expression, domain.surfaces)
     cut_cells = classification.cut_cells
     cells = np.concatenate([cut_cells, classification.touching_cells])
-    rows = np.arange(len(cells))
-    boxes = list(initial_boxes(logic, grid, cells, classification.signs, classification.active, rows))
+    boxes = classification.boxes
     in_cut = [group.take(np.flatnonzero(group.row < len(cut_cells))) for group in boxes]
     volume = list(volume_rule(logic, [group for group in in_cut if len(group)], cut))
     boundary = Deferred(lambda: _boundary_batches(logic, grid, cells, list(boundary_rule(logic, boxes, cut))))

@@ -6,8 +6,8 @@ points and compared with the function between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from solvers.quadrature import bernstein
 
 if TYPE_CHECKING:
     from rfm.calculus.types import Array
+    from rfm.geometry.logic import Mask
     from rfm.geometry.surface import Surface
     from solvers.grid import Grid, Integers
 
@@ -32,17 +33,11 @@ EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Bernstein coefficients ``(n, K+1, ..., K+1)``, their rounding noise ``(n,)`` and interpolation error ``(n,)``."""
+    """Bernstein coefficients ``(n, K+1, ..., K+1)``, their noise ``(n,)`` and whether they stand for the function ``(n,)``."""
 
     coefficients: Array
     noise: Array
-    error: Array
-
-    @property
-    def good(self) -> Array:
-        """Whether the interpolant stands for the function, shape ``(n,)``."""
-        scale = np.abs(self.coefficients.reshape(len(self.noise), -1)).max(axis=1, initial=0.0)
-        return np.asarray(self.error <= ACCURACY * scale)
+    good: Mask
 
 
 def degree_of(surface: Surface) -> int:
@@ -76,7 +71,7 @@ def values_at(surface: Surface, coords: tuple[Array, ...]) -> Array:
         If the function is not finite somewhere on the grid.
     """
     with np.errstate(all="ignore"):
-        values = np.broadcast_to(partials(surface.function, coords, 0)[0], np.shape(coords[0]))
+        values = partials(surface.function, coords, 0)[0]
     if not np.isfinite(values).all():
         bad = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
         where = ", ".join(f"{float(np.broadcast_to(x, values.shape)[bad]):.6g}" for x in coords)
@@ -87,62 +82,79 @@ def values_at(surface: Surface, coords: tuple[Array, ...]) -> Array:
     return np.asarray(values)
 
 
-def sample(surface: Surface, grid: Grid, cells: Integers, lower: Array, width: Array, degree: int) -> Samples:
-    """Interpolate a surface on boxes inside cells.
+def sample(
+    surfaces: Sequence[Surface],
+    surface: Integers,
+    box: Integers,
+    grid: Grid,
+    cells: Integers,
+    lower: Array,
+    width: Array,
+    degree: int,
+) -> Samples:
+    """Interpolate surfaces on boxes inside cells.
 
     Parameters
     ----------
-    surface
-        The surface.
+    surfaces
+        All surfaces.
+    surface, box
+        What to interpolate: pairs of a surface and a box, shape ``(n,)``.
     grid
         The grid.
     cells
-        Cells, shape ``(n, d)``.
+        Cell of each box, shape ``(b, d)``.
     lower, width
-        Lower corner and side lengths of the boxes in unit coordinates of their cell, shape ``(n, d)``.
+        Lower corner and side lengths of the boxes in unit coordinates of their cell, shape ``(b, d)``.
     degree
-        Degree of the interpolant in each direction (at least the surface's own when that is exact).
+        Degree of the interpolants in each direction (at least a surface's own when that is exact).
     """
     d = grid.dimension
-    values = values_at(surface, _tensor_points(grid, cells, lower, width, bernstein.lobatto(degree)))
+    nodes = bernstein.lobatto(degree)
+    coords = _tensor_points(grid, cells, lower, width, nodes)
+    values = np.empty((len(box), *[len(nodes)] * d))
+    inexact = []
+    for s in np.unique(surface):
+        chosen = np.flatnonzero(surface == s)
+        values[chosen] = values_at(surfaces[s], tuple(x[box[chosen]] for x in coords))
+        if not is_exact(surfaces[s]):
+            inexact.append((surfaces[s], chosen))
     c = bernstein.interpolate(values, d)
     scale = np.abs(c.reshape(len(c), -1)).max(axis=1, initial=0.0)
     noise = relative_noise(grid, degree) * scale
-    error = np.zeros(len(c))
-    if not is_exact(surface):
-        between = bernstein.lobatto(degree)
-        between = 0.5 * (between[1:] + between[:-1])[1::2]
-        expected = values_at(surface, _tensor_points(grid, cells, lower, width, between))
-        found = c
-        matrix = bernstein.basis(degree, between)
-        for axis in range(-d, 0):
-            found = bernstein.transform(matrix, found, axis)
-        error = np.abs(found - expected).reshape(len(c), -1).max(axis=1, initial=0.0)
-    return Samples(c, noise, error)
+    good = np.ones(len(c), dtype=bool)
+    for one, chosen in inexact:
+        where = box[chosen]
+        error = _error(one, c[chosen], grid, cells[where], lower[where], width[where])
+        noise[chosen] += error
+        good[chosen] = error <= ACCURACY * scale[chosen]
+    return Samples(c, noise, good)
+
+
+def _error(surface: Surface, c: Array, grid: Grid, cells: Integers, lower: Array, width: Array) -> Array:
+    """Greatest difference of interpolants and function between the nodes, shape ``(n,)``."""
+    degree = c.shape[1] - 1
+    nodes = bernstein.lobatto(degree)
+    between = 0.5 * (nodes[1:] + nodes[:-1])[1::2]
+    expected = values_at(surface, _tensor_points(grid, cells, lower, width, between))
+    matrix = bernstein.basis(degree, between)
+    for axis in range(1, c.ndim):
+        c = bernstein.transform(matrix, c, axis)
+    return np.asarray(np.abs(c - expected).reshape(len(c), -1).max(axis=1, initial=0.0))
 
 
 def _tensor_points(grid: Grid, cells: Integers, lower: Array, width: Array, t: Array) -> tuple[Array, ...]:
-    """Physical coordinates of tensor points, one array ``(n, q, ..., q)`` per direction."""
+    """Physical coordinates of tensor points, one array ``(n, 1, ..., q, ..., 1)`` per direction."""
     d = grid.dimension
     corner = grid.lower + grid.spacing * (cells + lower)
     side = grid.spacing * width
-    shape = (len(cells), *[len(t)] * d)
     coords = []
     for j in range(d):
         axis = [1] * d
         axis[j] = len(t)
         along = corner[:, j, None] + side[:, j, None] * t
-        # The far end is computed as the near end of the next cell is, so that both see the same face.
-        along[:, -1] = np.where(
-            t[-1] == 1.0,
-            grid.lower[j] + grid.spacing[j] * (cells[:, j] + lower[:, j] + width[:, j]),
-            along[:, -1],
-        )
-        coords.append(np.broadcast_to(along.reshape(len(cells), *axis), shape))
+        if t[-1] == 1.0:
+            # The far end is computed as the near end of the next cell is, so that both see the same face.
+            along[:, -1] = grid.lower[j] + grid.spacing[j] * (cells[:, j] + lower[:, j] + width[:, j])
+        coords.append(along.reshape(len(cells), *axis))
     return tuple(coords)
-
-
-def corner_points(grid: Grid, cells: Integers) -> tuple[Array, ...]:
-    """Return physical coordinates of the ``2**d`` corners of cells, one array ``(n, 2**d)`` per direction."""
-    corners = np.asarray(list(product((0.0, 1.0), repeat=grid.dimension)))
-    return grid.points(cells, corners)
