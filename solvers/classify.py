@@ -1,7 +1,7 @@
 """Which cells lie inside the domain, outside, or are cut by its boundary.
 
 Three tests, each on the cells the one before left open: interval bounds of the surface functions (first on blocks of
-cells); bounds by Bernstein coefficients and signs at the corners (a cell with corners inside and outside is cut); and
+cells); bounds by Bernstein coefficients and signs at some nodes (a cell with nodes inside and outside is cut); and
 bounds on ever smaller boxes.  What stays undecided counts as cut, so nothing thin is missed (for surfaces that are not
 polynomials the Bernstein bounds include a sampled interpolation error).  The coefficients are kept for the quadrature.
 """
@@ -17,6 +17,7 @@ import numpy as np
 from rfm.calculus.intervals import Interval
 from rfm.errors import GeometryError
 from rfm.geometry.logic import Logic, Mask, Signs
+from solvers.quadrature import bernstein
 from solvers.quadrature.boxes import Boxes, children, initial_boxes, merged, strict_signs
 from solvers.quadrature.sampling import degree_of, relative_noise
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 INNER, CUT, OUTER = 1, 0, -1
 BLOCK = 8
 HALVINGS = 3
+SAMPLES = (0.0, 1.0), (0.0, 0.5, 1.0)
+"""Where signs are looked at: corners, then the middles of edges and faces too (where holes bulge into a cell)."""
 CHUNK = 32768
 
 
@@ -206,13 +209,13 @@ def _decide(logic: Logic, boxes: list[Boxes], count: int) -> tuple[Signs, Mask, 
         outside[group.row[value < 0]] = True
         # Inside, though strictly speaking undecided: some surface lies on a face.
         touches[group.row[(value > 0) & (logic.value(strict) == 0)]] = True
-        rows = np.flatnonzero(value == 0)
-        if rows.size:
-            left = group.take(rows)
-            at_corners = _at_corners(logic, left)
-            inside[left.row[(at_corners > 0).any(axis=1)]] = True
-            outside[left.row[(at_corners < 0).any(axis=1)]] = True
-            pending.append(left)
+        pending.append(group.take(np.flatnonzero(value == 0)))
+    for nodes in SAMPLES:
+        pending = _unsettled(pending, inside, outside)
+        for left in pending:
+            value = _at_nodes(logic, left, nodes)
+            inside[left.row[(value > 0).any(axis=1)]] = True
+            outside[left.row[(value < 0).any(axis=1)]] = True
     for left in _halved(logic, pending, inside, outside):
         unknown[left.row] = True
     verdict = np.where(
@@ -221,35 +224,37 @@ def _decide(logic: Logic, boxes: list[Boxes], count: int) -> tuple[Signs, Mask, 
     return verdict, touches & (verdict == INNER), np.where(lowest == highest, lowest, np.int8(0))
 
 
-def _at_corners(logic: Logic, boxes: Boxes) -> Signs:
-    """Value at the corners of boxes, shape ``(n, 2**d)``; 0 where it is not well inside or outside."""
+def _unsettled(pending: list[Boxes], inside: Mask, outside: Mask) -> list[Boxes]:
+    """Boxes of the cells that are not known to be cut."""
+    pending = [boxes.take(np.flatnonzero(~(inside & outside)[boxes.row])) for boxes in pending]
+    return [boxes for boxes in pending if len(boxes)]
+
+
+def _at_nodes(logic: Logic, boxes: Boxes, nodes: tuple[float, ...]) -> Signs:
+    """Value at tensor nodes of boxes, shape ``(n, q)``; 0 where it is not well inside or outside."""
     n, m = boxes.slots.shape
-    ends = np.ix_(*[[0, boxes.degree]] * boxes.dimension)
-    # The coefficients at the corners are the values there.
-    values = boxes.c[(slice(None), slice(None), *ends)].reshape(n, m, -1)
+    values, matrix = boxes.c, bernstein.basis(boxes.degree, np.array(nodes))
+    for axis in range(2, values.ndim):
+        values = bernstein.transform(matrix, values, axis)
+    values = values.reshape(n, m, -1)
     noise = 1e-10 * np.abs(values).max(axis=2, keepdims=True)
     slot_signs = (values > noise).astype(np.int8) - (values < -noise)
-    corners = values.shape[2]
-    signs = np.repeat(boxes.signs, corners, axis=0)
-    slots = np.repeat(boxes.slots, corners, axis=0)
+    count = values.shape[2]
+    signs = np.repeat(boxes.signs, count, axis=0)
+    slots = np.repeat(boxes.slots, count, axis=0)
     np.put_along_axis(signs, slots, slot_signs.swapaxes(1, 2).reshape(-1, m), axis=1)
-    return logic.value(signs).reshape(n, corners)
+    return logic.value(signs).reshape(n, count)
 
 
 def _halved(logic: Logic, pending: list[Boxes], inside: Mask, outside: Mask) -> list[Boxes]:
     """Look at smaller and smaller boxes, note in which cells some lie inside and outside; what stays undecided."""
-    for step in range(HALVINGS + 1):
-        # A cell that is known to be cut needs no further look.
-        pending = [boxes.take(np.flatnonzero(~(inside & outside)[boxes.row])) for boxes in pending]
-        pending = [boxes for boxes in pending if len(boxes)]
-        if step == HALVINGS:
-            break
+    for _ in range(HALVINGS):
         following = []
-        for boxes in pending:
+        for boxes in _unsettled(pending, inside, outside):
             halves = children(boxes, range(boxes.dimension))
             value = logic.value(halves.all_signs)
             inside[halves.row[value > 0]] = True
             outside[halves.row[value < 0]] = True
             following.append(halves.take(np.flatnonzero(value == 0)))
         pending = following
-    return pending
+    return _unsettled(pending, inside, outside)

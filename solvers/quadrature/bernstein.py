@@ -69,7 +69,7 @@ def transform(matrix: Array, c: Array, axis: int) -> Array:
     """Apply a matrix along one axis."""
     if axis in (-1, c.ndim - 1):
         return np.asarray(c @ matrix.T)
-    return np.moveaxis(np.moveaxis(c, axis, -1) @ matrix.T, -1, axis)
+    return np.asarray((c.swapaxes(axis, -1) @ matrix.T).swapaxes(axis, -1))
 
 
 def interpolate(values: Array, dimension: int) -> Array:
@@ -81,19 +81,23 @@ def interpolate(values: Array, dimension: int) -> Array:
 
 
 @cache
-def halves(degree: int) -> tuple[Array, Array]:
-    """Return the matrices to the coefficients on the left and on the right half (de Casteljau)."""
+def halves(degree: int) -> Array:
+    """Return the matrix to the coefficients on the left and then on the right half (de Casteljau)."""
     left = np.zeros((degree + 1, degree + 1))
     for i in range(degree + 1):
         for j in range(i + 1):
             left[i, j] = comb(i, j) / 2.0**i
-    return left, np.ascontiguousarray(left[::-1, ::-1])
+    return np.concatenate([left, left[::-1, ::-1]])
 
 
 def bisect(c: Array, axis: int) -> tuple[Array, Array]:
     """Return the coefficients on both halves along one axis."""
-    left, right = halves(c.shape[axis] - 1)
-    return transform(left, c, axis), transform(right, c, axis)
+    count = c.shape[axis]
+    both = transform(halves(count - 1), c, axis)
+    left: list[slice] = [slice(None)] * c.ndim
+    right = left.copy()
+    left[axis], right[axis] = slice(count), slice(count, None)
+    return both[tuple(left)], both[tuple(right)]
 
 
 def bounds(c: Array, dimension: int) -> tuple[Array, Array]:

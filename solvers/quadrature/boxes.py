@@ -7,7 +7,7 @@ the same polynomial degree, so that every step is one array operation over the g
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -91,30 +91,29 @@ class Boxes:
 
     def take(self, rows: Integers) -> Boxes:
         """Return some of the boxes."""
-        return replace(
-            self,
-            row=self.row[rows],
-            lower=self.lower[rows],
-            width=self.width[rows],
-            slots=self.slots[rows],
-            c=self.c[rows],
-            noise=self.noise[rows],
-            signs=self.signs[rows],
-            depth=self.depth[rows],
+        return Boxes(
+            self.row[rows],
+            self.lower[rows],
+            self.width[rows],
+            self.slots[rows],
+            self.c[rows],
+            self.noise[rows],
+            self.signs[rows],
+            self.depth[rows],
         )
 
     def choose(self, rows: Integers, slots: Integers, signs: Signs) -> Boxes:
         """Return boxes ``rows`` with only the slots ``slots (len(rows), m')`` and new signs of all surfaces."""
-        return replace(
-            self,
-            row=self.row[rows],
-            lower=self.lower[rows],
-            width=self.width[rows],
-            slots=self.slots[rows[:, None], slots],
-            c=self.c[rows[:, None], slots],
-            noise=self.noise[rows[:, None], slots],
-            signs=signs,
-            depth=self.depth[rows],
+        pairs = rows[:, None], slots
+        return Boxes(
+            self.row[rows],
+            self.lower[rows],
+            self.width[rows],
+            self.slots[pairs],
+            self.c[pairs],
+            self.noise[pairs],
+            signs,
+            self.depth[rows],
         )
 
 
@@ -242,25 +241,34 @@ def _sampled(
 
 def children(boxes: Boxes, axes: Iterable[int]) -> Boxes:
     """Halve boxes along some directions."""
+    parts, corners = [boxes.c], [np.zeros(boxes.dimension)]
+    size = np.ones(boxes.dimension)
     for axis in axes:
-        left, right = bernstein.bisect(boxes.c, 2 + axis)
-        width = boxes.width.copy()
-        width[:, axis] *= 0.5
-        shifted = boxes.lower.copy()
-        shifted[:, axis] += width[:, axis]
-        boxes = joined(
-            [replace(boxes, width=width, c=left), replace(boxes, lower=shifted, width=width, c=right)]
-        )
-    return replace(boxes, depth=boxes.depth + 1)
+        parts = [half for c in parts for half in bernstein.bisect(c, 2 + axis)]
+        size[axis] = 0.5
+        shift = np.zeros(boxes.dimension)
+        shift[axis] = 0.5
+        corners = [corner + move for corner in corners for move in (0.0, shift)]
+    every = np.tile(np.arange(len(boxes)), len(parts))
+    corner = np.repeat(corners, len(boxes), axis=0)
+    width = boxes.width[every]
+    return Boxes(
+        boxes.row[every],
+        boxes.lower[every] + width * corner,
+        width * size,
+        boxes.slots[every],
+        np.concatenate(parts),
+        boxes.noise[every],
+        boxes.signs[every],
+        boxes.depth[every] + 1,
+    )
 
 
 def joined(groups: list[Boxes]) -> Boxes:
     """Join groups with the same number of slots and the same degree."""
     if len(groups) == 1:
         return groups[0]
-    return Boxes(
-        **{f.name: np.concatenate([getattr(group, f.name) for group in groups]) for f in fields(Boxes)}
-    )
+    return Boxes(*(np.concatenate([getattr(group, name) for group in groups]) for name in _FIELDS))
 
 
 def merged(groups: Iterable[Boxes]) -> list[Boxes]:
@@ -270,3 +278,6 @@ def merged(groups: Iterable[Boxes]) -> list[Boxes]:
         if len(group):
             kinds.setdefault((group.slots.shape[1], group.degree), []).append(group)
     return [joined(kind) for kind in kinds.values()]
+
+
+_FIELDS = tuple(field.name for field in fields(Boxes))

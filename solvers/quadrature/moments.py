@@ -58,18 +58,17 @@ def _line_moments(rule: LineRule, m: int) -> Array:
     A polynomial of degree ``m - 1`` needs no more than ``(m + 1) // 2`` points on a line, whatever the rule has.
     """
     d = rule.cells.shape[1]
-    points = gauss(min(rule.order, (m + 1) // 2))
+    t, w = gauss(min(rule.order, (m + 1) // 2))
     lines = rule.lines
     found = np.empty((len(rule), m**d))
-    for span in spans(np.diff(rule.begin), PRODUCTS // (m * (d + 2) + m ** (d - 1))):
+    for span in spans(np.diff(rule.begin), PRODUCTS // (m * (d + len(t)) + m ** (d - 1))):
         where, valid = padding(rule.begin[span.start : span.stop + 1])
         axis, length = lines.axis[where], lines.length[where]
         weight = np.where(valid, lines.weight[where], 0.0)
         start = [lines.start[where, k] for k in range(d)]
         x = np.choose(axis, start)
-        along = np.zeros((m, *where.shape))
-        for t, w in zip(*points, strict=True):
-            along += _chebyshev(x + t * length, m) * (w * weight)
+        points = _chebyshev(x.ravel() + np.multiply.outer(t, length.ravel()), m)
+        along = (w @ points).reshape(m, *where.shape) * weight
         tables = [np.where(axis == k, along, _chebyshev(start[k], m)) for k in range(d)]
         found[span] = _contracted(tables)
     return found
