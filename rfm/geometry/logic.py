@@ -7,13 +7,15 @@ the box lies inside whatever the unknown signs are, -1 where it lies outside, 0 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from rfm.geometry.expression import Conjunction
 
 if TYPE_CHECKING:
     from rfm.geometry.expression import Expression
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
 Signs = NDArray[np.int8]
 Mask = NDArray[np.bool_]
 Integers = NDArray[np.int64]
-Visit = Callable[[Mask], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +38,18 @@ class Logic:
         """Column of each surface."""
         return {surface: i for i, surface in enumerate(self.surfaces)}
 
+    @cached_property
+    def _root(self) -> _Operation:
+        """The expression with columns in place of surfaces."""
+        found = self.expression.walk(
+            lambda surface, positive: (self.index[surface], 1 if positive else -1),
+            lambda node, terms: _operation(np.minimum if isinstance(node, Conjunction) else np.maximum, terms),
+        )
+        return found if isinstance(found, _Operation) else _operation(np.minimum, [found])
+
     def value(self, signs: Signs) -> Signs:
         """Return the tri-state value, shape ``(n,)``."""
-        return np.asarray(self.expression.evaluate({s: signs[:, i] for i, s in enumerate(self.surfaces)}))
+        return self._root.evaluated(signs.T).value
 
     def relevant(self, signs: Signs) -> Mask:
         """Return which unknown signs can still matter, shape ``(n, S)``.
@@ -47,30 +57,7 @@ class Logic:
         A surface matters where its sign and the values of all expressions around it are undecided.
         """
         mask = np.zeros(signs.shape, dtype=bool)
-
-        def leaf(surface: Surface, positive: bool) -> tuple[Signs, Visit]:
-            column = self.index[surface]
-            value = signs[:, column] if positive else -signs[:, column]
-
-            def visit(open_above: Mask) -> None:
-                mask[:, column] |= open_above & (value == 0)
-
-            return value, visit
-
-        def node(terms: list[tuple[Signs, Visit]], extreme: np.ufunc) -> tuple[Signs, Visit]:
-            value = reduce(extreme, [term[0] for term in terms])
-
-            def visit(open_above: Mask) -> None:
-                still_open = open_above & (value == 0)
-                for _, inner in terms:
-                    inner(still_open)
-
-            return value, visit
-
-        _, visit = self.expression.fold(
-            leaf, lambda terms: node(terms, np.minimum), lambda terms: node(terms, np.maximum)
-        )
-        visit(np.ones(len(signs), dtype=bool))
+        self._root.evaluated(signs.T).mark(np.ones(len(signs), dtype=bool), signs.T == 0, mask.T)
         return mask
 
     def table(self, signs: Signs, slots: Integers) -> Mask:
@@ -89,11 +76,57 @@ class Logic:
             Shape ``(n, 2**m)``; bit ``a`` of the column number is set when surface ``slots[:, a]`` is positive.
         """
         n, m = slots.shape
-        rows = np.arange(n)
-        table = np.empty((n, 2**m), dtype=bool)
-        trial = signs.copy()
-        for code in range(2**m):
-            for a in range(m):
-                trial[rows, slots[:, a]] = 1 if code >> a & 1 else -1
-            table[:, code] = self.value(trial) > 0
-        return table
+        codes = np.arange(2**m)
+        chosen = (2 * (codes[:, None] >> np.arange(m) & 1) - 1).astype(np.int8)
+        trial = np.repeat(signs[:, None], len(codes), axis=1)
+        np.put_along_axis(trial, slots[:, None], chosen[None], axis=2)
+        return np.asarray(self.value(trial.reshape(-1, signs.shape[1])) > 0).reshape(n, len(codes))
+
+
+@dataclass(frozen=True, eq=False)
+class _Operation:
+    """Minimum or maximum over literals, ``factors (k, 1)`` times the rows ``columns (k,)`` of signs, and operations.
+
+    All literals of a node are one array operation: expressions are evaluated often, on few boxes each time.
+    """
+
+    extreme: np.ufunc
+    columns: Integers
+    factors: Signs
+    terms: tuple[_Operation, ...]
+
+    def evaluated(self, signs: Signs) -> _Evaluated:
+        """Evaluate on signs ``(S, n)``."""
+        terms = [term.evaluated(signs) for term in self.terms]
+        value = reduce(self.extreme, [term.value for term in terms]) if terms else None
+        if len(self.columns):
+            own = self.extreme.reduce(signs[self.columns] * self.factors, axis=0)
+            value = own if value is None else self.extreme(own, value)
+        return _Evaluated(self, np.asarray(value), terms)
+
+
+@dataclass(frozen=True, eq=False)
+class _Evaluated:
+    """An operation with its value ``(n,)`` and those of its terms."""
+
+    operation: _Operation
+    value: Signs
+    terms: list[_Evaluated]
+
+    def mark(self, open_above: Mask, unknown: Mask, mask: Mask) -> None:
+        """Mark the ``unknown (S, n)`` signs that matter where everything above is undecided."""
+        still_open = open_above & (self.value == 0)
+        columns = self.operation.columns
+        mask[columns] |= still_open & unknown[columns]
+        for term in self.terms:
+            term.mark(still_open, unknown, mask)
+
+
+def _operation(extreme: np.ufunc, terms: Sequence[tuple[int, int] | _Operation]) -> _Operation:
+    literals = [term for term in terms if not isinstance(term, _Operation)]
+    return _Operation(
+        extreme,
+        np.array([column for column, _ in literals], dtype=np.int64),
+        np.array([[factor] for _, factor in literals], dtype=np.int8).reshape(-1, 1),
+        tuple(term for term in terms if isinstance(term, _Operation)),
+    )

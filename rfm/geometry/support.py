@@ -111,9 +111,8 @@ def transformed(support: Support, similarity: Similarity) -> Support:
 def bounding_box(support: Support, dimension: int) -> Box:
     """Box of a set from its reach along the axes."""
     axes = np.eye(dimension)
-    lower: Sequence[float] = (-support(-axes)).tolist()
-    upper: Sequence[float] = support(axes).tolist()
-    return Box(tuple(lower), tuple(upper))
+    reach: list[float] = support(np.concatenate([-axes, axes])).tolist()
+    return Box(tuple(-x for x in reach[:dimension]), tuple(reach[dimension:]))
 
 
 def _across(directions: Array, axis: Array) -> Array:
