@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rfm.geometry.expression import Conjunction
+from rfm.geometry.expression import Conjunction, Node
 
 if TYPE_CHECKING:
     from rfm.geometry.expression import Expression
@@ -41,10 +41,14 @@ class Logic:
     @cached_property
     def _root(self) -> _Operation:
         """The expression with columns in place of surfaces."""
-        found = self.expression.walk(
-            lambda surface, positive: (self.index[surface], 1 if positive else -1),
-            lambda node, terms: _operation(np.minimum if isinstance(node, Conjunction) else np.maximum, terms),
-        )
+
+        def leaf(surface: Surface, positive: bool) -> _Term:
+            return self.index[surface], 1 if positive else -1
+
+        def join(node: Node, terms: list[_Term]) -> _Term:
+            return _operation(np.minimum if isinstance(node, Conjunction) else np.maximum, terms)
+
+        found = self.expression.walk(leaf, join)
         return found if isinstance(found, _Operation) else _operation(np.minimum, [found])
 
     def value(self, signs: Signs) -> Signs:
@@ -122,7 +126,11 @@ class _Evaluated:
             term.mark(still_open, unknown, mask)
 
 
-def _operation(extreme: np.ufunc, terms: Sequence[tuple[int, int] | _Operation]) -> _Operation:
+_Term: TypeAlias = tuple[int, int] | _Operation
+"""A literal, its column and its factor 1 or -1, or an operation."""
+
+
+def _operation(extreme: np.ufunc, terms: Sequence[_Term]) -> _Operation:
     literals = [term for term in terms if not isinstance(term, _Operation)]
     return _Operation(
         extreme,

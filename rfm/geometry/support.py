@@ -7,7 +7,7 @@ union become minimum and maximum (a bound for the former, exact for the latter).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 

@@ -46,7 +46,10 @@ def evaluate(c: Array, t: Array) -> Array:
 
 def derivative(c: Array, axis: int) -> Array:
     """Differentiate along an axis; the degree of that axis drops by one."""
-    return np.asarray((c.shape[axis] - 1) * np.diff(c, axis=axis))
+    upper: list[slice] = [slice(None)] * c.ndim
+    lower = upper.copy()
+    upper[axis], lower[axis] = slice(1, None), slice(-1)
+    return np.asarray((c.shape[axis] - 1) * (c[tuple(upper)] - c[tuple(lower)]))
 
 
 @cache

@@ -172,7 +172,7 @@ def _by_degree(
     degree = np.where(active, degrees, 1).max(axis=1, initial=1)
     if len(rows) <= FEW and degree.max(initial=1) == QUADRATIC:
         degree[:] = QUADRATIC
-    for k in np.unique(degree):
+    for k in np.flatnonzero(np.bincount(degree)):
         chosen = np.flatnonzero(degree == k)
         yield from _sampled(
             logic,
@@ -208,7 +208,7 @@ def _sampled(
     count = active.sum(axis=1)
     first = np.cumsum(count) - count
     signs = np.where(active, np.int8(0), signs)
-    for m in np.unique(count[good]):
+    for m in np.flatnonzero(np.bincount(count[good])):
         keep = np.flatnonzero(good & (count == m))
         slots = first[keep, None] + np.arange(m)
         yield Boxes(

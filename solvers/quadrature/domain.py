@@ -126,7 +126,7 @@ def _boundary_batches(
     # The measure of a cell across each direction.
     across = grid.cell_volume / grid.spacing
     weights = across[axis] * np.concatenate([part.weights for part in parts])
-    for i in np.unique(number):
+    for i in np.flatnonzero(np.bincount(number)):
         surface = logic.surfaces[i]
         chosen = np.flatnonzero(number == i)
         at, gradient = _on_surface(surface, grid, cells[row[chosen]], nodes[chosen], axis[chosen])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import permutations, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -150,7 +150,7 @@ def _grouped(logic: Logic, group: Boxes, rows: Integers, signs: Signs, fixed: in
     live[:, :fixed] = True
     count = live.sum(axis=1)
     order = np.argsort(~live, axis=1, kind="stable")
-    for m in np.unique(count):
+    for m in np.flatnonzero(np.bincount(count)):
         chosen = np.flatnonzero(count == m)
         part = group.choose(rows[chosen], order[chosen, :m], signs[chosen])
         np.put_along_axis(part.signs, part.slots, np.int8(0), axis=1)
@@ -190,10 +190,10 @@ def _graphs(logic: Logic, boxes: Boxes, choice: Choice, rows: Integers) -> Graph
     d = boxes.dimension
     c = boxes.c[rows]
     axes = choice.axes[rows]
-    for order in np.unique(axes, axis=0):
-        if (order != np.arange(d)).any():
-            same = np.flatnonzero((axes == order).all(axis=1))
-            c[same] = c[same].transpose(0, 1, *(2 + order))
+    for order in list(permutations(range(d)))[1:]:
+        same = np.flatnonzero((axes == order).all(axis=1))
+        if same.size:
+            c[same] = c[same].transpose(0, 1, *(2 + axis for axis in order))
     table = logic.table(boxes.signs[rows], boxes.slots[rows])
     return Graphs(c, boxes.noise[rows], choice.upright[rows], table)
 

@@ -51,7 +51,7 @@ def monotone_root(c: Array) -> Array:
                 root = c[..., 0] / q
             case _:
                 root = _bracketed(c)
-    return np.asarray(np.clip(np.nan_to_num(root, nan=0.5), 0.0, 1.0))
+    return np.asarray(np.where(np.isnan(root), 0.5, root).clip(0.0, 1.0))
 
 
 def _bracketed(c: Array) -> Array:

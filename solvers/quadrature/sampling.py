@@ -33,7 +33,7 @@ EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Bernstein coefficients ``(n, K+1, ..., K+1)``, their noise ``(n,)`` and whether they stand for the function ``(n,)``."""
+    """Bernstein coefficients ``(n, K+1, ..., K+1)``, noise ``(n,)``, whether they stand for the function ``(n,)``."""
 
     coefficients: Array
     noise: Array
@@ -114,7 +114,7 @@ def sample(
     coords = _tensor_points(grid, cells, lower, width, nodes)
     values = np.empty((len(box), *[len(nodes)] * d))
     inexact = []
-    for s in np.unique(surface):
+    for s in np.flatnonzero(np.bincount(surface)).tolist():
         chosen = np.flatnonzero(surface == s)
         values[chosen] = values_at(surfaces[s], tuple(x[box[chosen]] for x in coords))
         if not is_exact(surfaces[s]):

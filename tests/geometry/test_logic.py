@@ -49,7 +49,8 @@ def test_what_does_not_matter_can_be_anything(name: str) -> None:
     for sign in (-1, 1):
         # An unknown sign that does not matter may be set without a decision being changed.
         np.testing.assert_array_equal(
-            logic.value(np.where((signs == 0) & ~relevant, np.int8(sign), signs))[value != 0], value[value != 0]
+            logic.value(np.where((signs == 0) & ~relevant, np.int8(sign), signs))[value != 0],
+            value[value != 0],
         )
 
 
