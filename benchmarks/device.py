@@ -17,7 +17,9 @@ from rfm.calculus.functions import cos, exp, sin
 from rfm.geometry.primitives import ball
 from solvers import pipeline
 from solvers.device.backend import computing
-from solvers.device.operator import Operator, applied
+from solvers.device.mesh import mapped
+from solvers.device.operator import Operator
+from solvers.device.product import applied
 from solvers.equations.poisson import Poisson
 from solvers.problem import Dirichlet, Discretization, Problem, SolverOptions
 from solvers.ritz import Ritz
@@ -92,9 +94,11 @@ def main(kind: str, grid: int) -> None:
         n = len(load)
         with computing(kind):
             start = clock()
-            program = jax.jit(applied, static_argnums=0).lower(operator.plan, operator.arrays, load).compile()
+            vector = operator.spread(load)
+            product = jax.jit(mapped, static_argnums=(0, 1, 2))
+            program = product.lower(applied, operator.mesh, operator.plan, operator.arrays, vector).compile()
             compiling = clock() - start
-            own = seconds(lambda p=program, o=operator, b=load: p(o.arrays, b).block_until_ready(), clock)
+            own = seconds(lambda p=program, o=operator, b=vector: p(o.arrays, b).block_until_ready(), clock)
         csr = seconds(lambda a=matrix, b=load: a @ b, time.process_time)
         data = sum(array.nbytes for array in jax.tree.leaves(operator.arrays))
         extra = program.memory_analysis().temp_size_in_bytes

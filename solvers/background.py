@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from solvers.bases.registry import basis
 from solvers.classify import Classification, classify
 from solvers.grid import Grid
 from solvers.problem import Discretization
+from solvers.sharing import WHOLE, Sharing
 from solvers.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ class Background:
         Moment-fitted tensor rule of the cut cells, or None when it is not asked for.
     space
         Space of the unknown.
+    sharing
+        The processes, each of which has rules of its own cells only.
     """
 
     grid: Grid
@@ -44,6 +47,7 @@ class Background:
     rules: DomainRules
     folded: TensorBatch | None
     space: Space
+    sharing: Sharing = WHOLE
 
 
 def background_grid(domain: Shape, discretization: Discretization) -> Grid:
@@ -60,6 +64,7 @@ def prepare(
     watch: Stopwatch,
     wraps: Mapping[int, float] = MappingProxyType({}),
     grid: Grid | None = None,
+    sharing: Callable[[Classification, int], Sharing] = lambda *_: WHOLE,
 ) -> Background:
     """Classify the cells, integrate the cut ones and build the space.
 
@@ -71,6 +76,8 @@ def prepare(
         Axes along which the grid covers one period of the splines, with their factors.
     grid
         A grid to share; that of the discretisation when absent.
+    sharing
+        How cells are divided among devices and processes, from their classification and the degree.
 
     Raises
     ------
@@ -88,10 +95,12 @@ def prepare(
     with watch.phase("geometry"):
         grid = grid or background_grid(domain, discretization)
         classification = classify(domain, grid)
+        divided = sharing(classification, degree)
     with watch.phase("quadrature"):
         points = chosen.points(degree, int(max(grid.cells)))
+        own = divided.own(classification)
         rules = domain_rules(
-            domain, classification, inner=points.inner, cut=discretization.quadrature_points or points.cut
+            domain, own, inner=points.inner, cut=discretization.quadrature_points or points.cut
         )
         fitted = points.folded if discretization.moment_fitting and goes_on(domain, discretization) else None
         folded = fold(rules.cut, fitted) if fitted is not None else None
@@ -102,14 +111,14 @@ def prepare(
             return classify(domain, background_grid(domain, trial))
 
         space: Space
+        cut = divided.all_cells(rules.cut.cells)
         if wraps:
-            cut = rules.cut.cells
             space = SplineSpace.build(grid, degree, classification, discretization.basis, cut, finer, wraps)
         else:
-            space = chosen.build(grid, degree, classification, cut_cells=rules.cut.cells, finer=finer)
+            space = chosen.build(grid, degree, classification, cut_cells=cut, finer=finer)
     if space.n_dofs == 0:
         raise DiscretizationError("no spline of the grid meets the domain: refine `grid`")
-    return Background(grid, classification, rules, folded, space)
+    return Background(grid, classification, rules, folded, space, divided)
 
 
 def goes_on(domain: Shape, discretization: Discretization) -> bool:

@@ -161,6 +161,7 @@ def _refuse_slipping(problem: Problem, background: Background, motions: Sequence
         for condition, batch in boundary_batches(problem, background.rules.boundary, background.grid)
         if isinstance(condition, Slip)
     ]
+    samples = [one for some in background.sharing.team.gather(samples) for one in some]
     points = np.concatenate([where for where, _ in samples], axis=1)
     normals = np.concatenate([n for _, n in samples])
     left = combined(motions, lambda m: np.einsum("cn,nc->n", m.values(list(points)), normals))
@@ -203,4 +204,5 @@ def excess(pieces: Sequence[Piece], kernel: Kernel) -> Array:
         modes = np.stack([motion.values(coords) for motion in kernel.motions])
         gram += np.einsum("acnq,bcnq,nq->ab", modes, modes, batch.weights)
         right += np.einsum("acnq,cnq,nq->a", modes, field, batch.weights)
-    return np.asarray(np.linalg.solve(gram, right), dtype=float)
+    sums = pieces[0].background.sharing.total(np.column_stack([gram, right]))
+    return np.asarray(np.linalg.solve(sums[:, :count], sums[:, count]), dtype=float)

@@ -36,11 +36,12 @@ def measure(pieces: Sequence[Piece]) -> Measures:
         raise ValueError("a solution has a piece")
     first = pieces[0].problem
     sums = ErrorSums(first.equation.components(first.domain.dimension))
-    energies = np.sum([_add(piece, sums) for piece in pieces], axis=0)
+    sharing = pieces[0].background.sharing
+    energies = sharing.total(np.sum([_add(piece, sums) for piece in pieces], axis=0))
     total, lost, size = (float(energy) for energy in energies)
     if first.exact is None:
         return Measures(None, None, total)
-    return Measures(sums.norms(), float(np.sqrt(abs(lost) / (abs(size) or 1.0))), total)
+    return Measures(sums.norms(sharing), float(np.sqrt(abs(lost) / (abs(size) or 1.0))), total)
 
 
 def _add(piece: Piece, sums: ErrorSums) -> tuple[float, float, float]:

@@ -72,7 +72,7 @@ class Method(Protocol):
 class Refusal:
     """What does not combine, and why.
 
-    `of` is ``method``, ``degree``, ``linear``, ``basis``, ``conditions`` or ``device``.
+    `of` is ``method``, ``degree``, ``linear``, ``basis``, ``conditions``, ``device`` or ``shards``.
     """
 
     of: str
@@ -131,9 +131,19 @@ def refused(
         )
     if options.device != NONE:
         from solvers.device.requirements import without_device
+        from solvers.device.shards import unsuitable_shards
 
         why = without_device(method.name, problem, discretization, options)
-        return None if why is None else Refusal("device", why)
+        if why is not None:
+            return Refusal("device", why)
+        why = unsuitable_shards(options)
+        return None if why is None else Refusal("shards", why)
+    if options.shards not in (None, 1):
+        return Refusal(
+            "shards",
+            f"shards: {options.shards} cuts the grid for devices of JAX, and device: {NONE} solves with NumPy: choose "
+            "device: gpu or cpu, or remove shards",
+        )
     return None
 
 

@@ -22,6 +22,7 @@ from solvers.periodicity import periods_of
 from solvers.problem import Problem
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.tensor import inner_rule
+from solvers.sharing import WHOLE, Sharing
 from solvers.solution import Piece, Trial
 
 CHUNK = 150_000
@@ -64,10 +65,14 @@ class ErrorSums:
         self._worst = max(self._worst, largest(length(difference, self._components), weights))
         self._largest = max(self._largest, largest(length(truth, self._components), weights))
 
-    def norms(self) -> ErrorNorms:
-        """The relative norms of what was added."""
-        relative = np.sqrt(self._error / np.where(self._size > 0, self._size, 1.0))
-        return ErrorNorms(float(relative[0]), float(relative[1]), self._worst / (self._largest or 1.0))
+    def norms(self, sharing: Sharing = WHOLE) -> ErrorNorms:
+        """The relative norms of what was added by all processes."""
+        error, size = sharing.total(np.stack([self._error, self._size]))
+        relative = np.sqrt(error / np.where(size > 0, size, 1.0))
+        maxima = sharing.largest({"worst": self._worst, "largest": self._largest})
+        return ErrorNorms(
+            float(relative[0]), float(relative[1]), maxima["worst"] / (maxima["largest"] or 1.0)
+        )
 
 
 def error_norms(trial: Trial, exact: Exact, background: Background) -> ErrorNorms:
@@ -76,7 +81,7 @@ def error_norms(trial: Trial, exact: Exact, background: Background) -> ErrorNorm
     for batch in norm_batches(background, trial.degree):
         truth = exact_jet(exact, batch.points(background.grid), 1)
         sums.add(trial.jet(batch, 1) - truth, truth, batch.weights)
-    return sums.norms()
+    return sums.norms(background.sharing)
 
 
 def squares(jet: Array, weights: Array, components: int = 1) -> Array:
@@ -110,7 +115,7 @@ def integrate(
     for batch in norm_batches(background, degree):
         values = np.broadcast_to(integrand(batch), batch.weights.shape)
         total += float(np.sum(np.where(batch.weights != 0, values, 0.0) * batch.weights))
-    return total
+    return float(background.sharing.total(total))
 
 
 def boundary_errors(problem: Problem, trial: Trial, background: Background) -> dict[str, float]:
@@ -134,7 +139,7 @@ def boundary_errors(problem: Problem, trial: Trial, background: Background) -> d
         here, there = (trial.at(p, problem.equation.flux_order) for p in (points, period.moved(points)))
         gap = float(np.abs(there - period.factor * here).max(initial=0.0))
         errors[periodic.part.name] = max(errors.get(periodic.part.name, 0.0), gap)
-    return errors
+    return background.sharing.largest(errors)
 
 
 def all_boundary_errors(pieces: Sequence[Piece]) -> dict[str, float]:

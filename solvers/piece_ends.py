@@ -94,9 +94,9 @@ def cut_at_ends(problem: Problem, background: Background, points: int) -> Backgr
     """
     grid, domain = background.grid, problem.domain
     pairs = [pair for condition in problem.conditions for pair in ends(domain, condition)]
-    if not pairs or grid.dimension > 2:
+    rules: dict[Surface, PointBatch] = dict(background.rules.boundary) if pairs else {}
+    if not rules or grid.dimension > 2:  # another process may have all of the boundary
         return background
-    rules: dict[Surface, PointBatch] = dict(background.rules.boundary)
     touched = np.unique(np.concatenate([batch.cells for batch in rules.values()]), axis=0)
     chosen = touched[corner_cells(grid, touched, pairs)]
     found: dict[Surface, list[Points]] = {surface: [] for surface in rules}

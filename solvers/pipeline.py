@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
 from solvers.data import require_finite
 from solvers.device.backend import NONE
+from solvers.device.processes import telling
 from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
@@ -29,6 +31,7 @@ from solvers.posed import require_posed
 from solvers.problem import Discretization, Problem, SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.setting import Region, Setting
+from solvers.sharing import shared
 from solvers.smoothness import rough_cells
 from solvers.solution import Piece, Solution, Trial
 from solvers.stopwatch import Listener, Stopwatch
@@ -74,13 +77,14 @@ def solve(
     require_posed(problem)
     require(method, problem, discretization, options)
     watch = Stopwatch(listener)
-    try:
-        return _solved(problem, discretization, method, options, watch)
-    except Indefinite:
-        if not discretization.moment_fitting:
-            raise
-    unfitted = replace(discretization, moment_fitting=False)
-    return replace(_solved(problem, unfitted, method, options, watch), notes=(UNFITTED,))
+    with telling(options.device):
+        try:
+            return _solved(problem, discretization, method, options, watch)
+        except Indefinite:
+            if not discretization.moment_fitting:
+                raise
+        unfitted = replace(discretization, moment_fitting=False)
+        return replace(_solved(problem, unfitted, method, options, watch), notes=(UNFITTED,))
 
 
 def _solved(
@@ -90,7 +94,9 @@ def _solved(
     mode = mode_of(discretization)
     periods = periods_of(problem)
     prepared = mode.quadrature(problem, fitted(discretization, problem.domain, periods))
-    background = prepare(problem.domain, prepared, watch, wraps_of(periods))
+    background = prepare(
+        problem.domain, prepared, watch, wraps_of(periods), sharing=partial(shared, options=options)
+    )
     with watch.phase("assembly"):
         setting = (materials_setting if problem.inclusions else mode.setting)(
             problem, discretization, background
@@ -131,7 +137,7 @@ def assembler_of(setting: Setting, symmetric: bool, options: SolverOptions) -> B
         return BlockAssembler(setting.spaces, symmetric)
     from solvers.device.assembler import MatrixFreeAssembler
 
-    return MatrixFreeAssembler(setting.spaces, options.device)
+    return MatrixFreeAssembler(setting.spaces, options.device, setting.regions[0].background.sharing)
 
 
 @dataclass(frozen=True)

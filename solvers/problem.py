@@ -285,6 +285,9 @@ class SolverOptions:
         Relative residual at which iterative solvers stop.
     device
         Where: ``none`` assembles the matrix and solves with NumPy; ``cpu`` and ``gpu`` apply it cell by cell by JAX.
+    shards
+        Boxes into which the grid is cut, one for each device; ``all`` takes all devices.  When absent, one box, or one
+        for each device where several processes solve together.
     redundant
         The unknowns may depend on each other to rounding (set by the basis).
     """
@@ -292,4 +295,5 @@ class SolverOptions:
     linear: str = "auto"
     tolerance: float = 1e-12
     device: str = "none"
+    shards: int | str | None = None
     redundant: bool = False

@@ -105,7 +105,9 @@ def solver_options(case: Case) -> SolverOptions:
     from solvers.problem import SolverOptions
 
     given = case.solver
-    return SolverOptions(linear=given.linear, tolerance=given.tolerance, device=given.device)
+    return SolverOptions(
+        linear=given.linear, tolerance=given.tolerance, device=given.device, shards=given.shards
+    )
 
 
 def given_box(case: Case) -> Box | None:

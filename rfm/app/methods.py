@@ -19,6 +19,7 @@ PLACES: dict[str, Path] = {
     "linear": ("solver", "linear"),
     "conditions": ("solver", "conditions"),
     "device": ("solver", "device"),
+    "shards": ("solver", "shards"),
 }
 """Keys of what can fail to combine."""
 

@@ -98,7 +98,7 @@ def _over_part(case: Case, name: str, surface: Surface, wanted: Integral, soluti
     total: Array = np.sum(
         [_over_piece(case, name, surface, wanted, p) for p in pieces] or [np.zeros(())], axis=0
     )
-    return total
+    return solution.background.sharing.total(total)
 
 
 def _over_piece(case: Case, name: str, surface: Surface, wanted: Integral, piece: Piece) -> Array:

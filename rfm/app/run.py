@@ -60,6 +60,7 @@ def compute(case: Case, listener: Listener | None = None) -> Result:
     """
     from rfm.app.warnings import warnings_of
     from solvers import pipeline
+    from solvers.device.processes import telling
 
     started, clock = datetime.now(UTC), time.perf_counter()
     try:
@@ -67,9 +68,10 @@ def compute(case: Case, listener: Listener | None = None) -> Result:
         discretization = build_discretization(case, problem.domain)
         options = solver_options(case)
         method = build_method(case, problem, discretization, options)
-        solution = pipeline.solve(problem, discretization, method, options, listener)
-        summary = summarise(case, solution)
-        warnings = warnings_of(solution)
+        with telling(options.device):
+            solution = pipeline.solve(problem, discretization, method, options, listener)
+            summary = summarise(case, solution)
+            warnings = warnings_of(solution)
     except RfmError as error:
         raise located(case, error) from error
     summary["warnings"] = list(warnings)

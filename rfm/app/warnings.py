@@ -45,10 +45,12 @@ def _corner_jumps(solution: Solution) -> list[str]:
 def _unresolved(solution: Solution) -> list[str]:
     """Volume that the quadrature could only treat to low order."""
     rules = solution.background.rules
-    volume = float(rules.inner.weights.sum() + rules.cut.weights.sum())
-    if rules.unresolved <= UNRESOLVED * volume:
+    volume, unresolved = solution.background.sharing.total(
+        [rules.inner.weights.sum() + rules.cut.weights.sum(), rules.unresolved]
+    )
+    if unresolved <= UNRESOLVED * volume:
         return []
     return [
-        f"the quadrature could not resolve the boundary in {rules.unresolved / volume:.2g} of the volume (a cusp, "
+        f"the quadrature could not resolve the boundary in {unresolved / volume:.2g} of the volume (a cusp, "
         "tangent surfaces or a very thin part); errors there are of low order: refine the grid to check"
     ]

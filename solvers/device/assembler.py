@@ -13,11 +13,13 @@ from solvers.assembly_folding import parts
 from solvers.assembly_reduction import reduce_load
 from solvers.bases.basis import Space
 from solvers.block_assembly import BlockAssembler
+from solvers.device.blocks import whole
 from solvers.device.cells import Groups, Key
 from solvers.device.operator import Operator
 from solvers.equations.density import Blocks, Loads
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.quadrature.pieces import gauss
+from solvers.sharing import Sharing
 from solvers.smoothness import legendre_transform
 from solvers.web import SplineSpace
 
@@ -31,6 +33,8 @@ class MatrixFreeAssembler(BlockAssembler):
         The space of all splines, once for each of them.
     kind
         Where to compute: ``cpu`` or ``gpu``.
+    sharing
+        The boxes of cells, one for each device, and the processes that have them.
 
     Raises
     ------
@@ -38,12 +42,13 @@ class MatrixFreeAssembler(BlockAssembler):
         The spaces are not one space of splines.
     """
 
-    def __init__(self, spaces: Sequence[Space], kind: str) -> None:
+    def __init__(self, spaces: Sequence[Space], kind: str, sharing: Sharing) -> None:
         super().__init__(spaces)
         space = spaces[0]
         if not isinstance(space, SplineSpace) or any(other is not space for other in spaces):
             raise DiscretizationError(f"device: {kind} needs one space of splines for all components")
-        self.kind, self.groups = kind, Groups(space, len(spaces))
+        blocks = sharing.blocks or whole(space.grid.shape)
+        self.kind, self.team, self.groups = kind, sharing.team, Groups(space, len(spaces), blocks)
         self._loads = [Assembler(space) for _ in spaces]
 
     def add(self, batch: TensorBatch | PointBatch, blocks: Blocks, loads: Loads) -> None:
@@ -65,10 +70,11 @@ class MatrixFreeAssembler(BlockAssembler):
 
     def finish(self) -> tuple[Operator, Array]:
         """Operator and load of all unknowns."""
+        operator = Operator(self.groups, self.kind, self.team)
         load = np.concatenate(
             [reduce_load(assembler.load, assembler.space.free) for assembler in self._loads]
         )
-        return Operator(self.groups, self.kind), load
+        return operator, self.team.total(load)
 
 
 def thinned(

@@ -52,11 +52,11 @@ def missing(kind: str) -> str | None:
 
 @contextmanager
 def computing(kind: str) -> Iterator[Any]:
-    """Context with double precision and the first device of a kind as the default one; gives the device."""
+    """Context with double precision and the first own device of a kind as the default one; gives the device."""
     import jax
 
     _keep_programs()
-    device = jax.devices(kind)[0]
+    device = jax.local_devices(backend=kind)[0]
     with _double_precision(), jax.default_device(device):
         yield device
 

@@ -6,7 +6,7 @@ everywhere.  A chunk of a group is what is computed at a time: its size bounds t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from rfm.calculus.jets import multi_indices
 from rfm.calculus.types import Array
+from solvers.device.blocks import Blocks
 from solvers.device.contraction import LOCAL
+from solvers.device.team import Team
 from solvers.equations.density import Column
 from solvers.point_tables import order_of
 from solvers.splines import tables
@@ -58,10 +60,12 @@ class Groups:
         Space of every spline.
     components
         Number of splines.
+    blocks
+        Boxes of cells, one for each device.
     """
 
-    def __init__(self, space: SplineSpace, components: int) -> None:
-        self.space, self.components = space, components
+    def __init__(self, space: SplineSpace, components: int, blocks: Blocks) -> None:
+        self.space, self.components, self.blocks = space, components, blocks
         self._parts: dict[GroupPlan, list[Part]] = {}
         self._squares = np.zeros((components, int(np.prod(space.shape))))
 
@@ -82,35 +86,62 @@ class Groups:
         self._add_squares(plan, flat, nodes, stacked)
         self._parts.setdefault(plan, []).append((flat, nodes, stacked))
 
-    def diagonal(self) -> Array:
+    def diagonal(self, team: Team) -> Array:
         """Diagonal of ``E D E^T``, D the diagonal of the B-splines' matrix: shape (components * unknowns,)."""
-        carried = self.space.extension.power(2) @ np.abs(self._squares).T
+        carried = self.space.extension.power(2) @ np.abs(team.total(self._squares)).T
         return np.asarray(carried.T.ravel())
 
-    def arrays(self, kind: str) -> dict[GroupPlan, dict[str, Any]]:
-        """Arrays of each group, in chunks for a kind of device; the parts are given up on the way."""
-        found = {}
+    def boxes(self, numbers: Sequence[int]) -> list[dict[GroupPlan, Part]]:
+        """Cells, nodes and coefficients of each group in some boxes; given up on the way.
+
+        Cells are known by the flat index of their first coefficient in the box.
+        """
+        found: list[dict[GroupPlan, Part]] = [{} for _ in numbers]
+        shape = tuple(n + self.space.degree for n in self.blocks.thickness)
         for plan in list(self._parts):
             parts = self._parts.pop(plan)
             cells = np.concatenate([part[0] for part in parts])
-            coefficients = np.concatenate([part[2] for part in parts], axis=1)
-            columns = len({column for key in plan.keys for column in key})
-            size = chunk_size(len(cells), columns * coefficients.shape[2], kind)
-            blocks = chunked(coefficients.transpose(1, 0, 2), size)
-            chunks = {
-                "base": chunked(cells.astype(np.int32), size),
-                "coefficients": np.ascontiguousarray(blocks.transpose(0, 2, 3, 1)),
-            }
-            lines: tuple[Array, ...] = ()
-            if plan.nodes is not None:
-                lines = self._lines(np.array(plan.nodes), plan.order)
-            else:
-                of_cells = self._lines(np.concatenate([part[1] for part in parts]), plan.order)
-                for axis, line in enumerate(of_cells):
-                    pieces = chunked(line.transpose(1, 0, 2, 3), size)
-                    chunks[f"lines{axis}"] = np.ascontiguousarray(pieces.transpose(0, 2, 3, 4, 1))
-            found[plan] = {"chunks": chunks, "lines": lines}
+            nodes = parts[0][1] if plan.nodes is not None else np.concatenate([part[1] for part in parts])
+            stacked = np.concatenate([part[2] for part in parts], axis=1)
+            holders = self._holders(cells)
+            for box, number in zip(found, numbers, strict=True):
+                rows = np.flatnonzero(holders == number)
+                lower = np.array([low for low, _ in self.blocks.box(number)])
+                index = np.stack(np.unravel_index(cells[rows], self.space.shape)) - lower[:, None]
+                own = nodes if plan.nodes is not None else nodes[rows]
+                box[plan] = np.ravel_multi_index(tuple(index), shape), own, stacked[:, rows]
         return found
+
+    def arrays(self, plan: GroupPlan, part: Part | None, most: int, kind: str) -> dict[str, Any]:
+        """Arrays of the cells of a box in a group, in chunks for a kind of device, as many as of `most` cells."""
+        cells, nodes, coefficients = part or self._nothing(plan)
+        columns = len({column for key in plan.keys for column in key})
+        size = chunk_size(most, columns * coefficients.shape[2], kind)
+        count = -(-most // size)
+        blocks = chunked(coefficients.transpose(1, 0, 2), size, count)
+        chunks = {
+            "base": chunked(cells.astype(np.int32), size, count),
+            "coefficients": np.ascontiguousarray(blocks.transpose(0, 2, 3, 1)),
+        }
+        if plan.nodes is not None:
+            return {"chunks": chunks, "lines": self._lines(np.array(plan.nodes), plan.order)}
+        for axis, line in enumerate(self._lines(nodes, plan.order)):
+            pieces = chunked(line.transpose(1, 0, 2, 3), size, count)
+            chunks[f"lines{axis}"] = np.ascontiguousarray(pieces.transpose(0, 2, 3, 4, 1))
+        return {"chunks": chunks, "lines": ()}
+
+    def _holders(self, cells: NDArray[np.intp]) -> NDArray[np.int32]:
+        return self.blocks.holders(np.stack(np.unravel_index(cells, self.space.shape)))
+
+    def _nothing(self, plan: GroupPlan) -> Part:
+        """No cells of a group."""
+        dimension = self.space.grid.dimension
+        count = plan.count**dimension if plan.nodes is not None else plan.count
+        return (
+            np.zeros(0, dtype=np.intp),
+            np.zeros((0, plan.count, dimension)),
+            np.zeros((len(plan.keys), 0, count)),
+        )
 
     def _lines(self, nodes: Array, order: int) -> tuple[Array, ...]:
         """Derivatives along each direction: (R, q, p+1) at common nodes, (R, n, q, p+1) at points."""
@@ -150,8 +181,8 @@ def chunk_size(cells: int, numbers: int, kind: str) -> int:
     return int(2 ** min(bound.bit_length() - 1, max(4, (cells - 1).bit_length())))
 
 
-def chunked(array: Array, size: int) -> Array:
-    """Rows padded with zeros and cut into chunks (chunks, size, ...)."""
-    rows = -len(array) % size
+def chunked(array: Array, size: int, count: int) -> Array:
+    """Rows padded with zeros and cut into chunks (count, size, ...)."""
+    rows = count * size - len(array)
     padded = np.pad(array, [(0, rows), *[(0, 0)] * (array.ndim - 1)])
     return padded.reshape(-1, size, *array.shape[1:])

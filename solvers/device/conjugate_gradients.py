@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from rfm.calculus.types import Array
 from solvers.device.backend import computing
+from solvers.device.mesh import compiled, first, total
+from solvers.device.plan import Plan
+from solvers.device.product import applied
 from solvers.linear.iterative import NOISE, STALLED, not_converged
 from solvers.linear.system import INDEFINITE, ScaledSystem, refusal
-
-if TYPE_CHECKING:
-    from solvers.device.operator import Plan
 
 
 class State(IntEnum):
@@ -24,6 +24,14 @@ class State(IntEnum):
     CONVERGED = 1
     STALLED = 2
     CURVED = 3
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What the compiled loop depends on besides its arrays: the operator's plan and the most steps."""
+
+    plan: Plan
+    limit: int
 
 
 @dataclass(frozen=True)
@@ -42,15 +50,20 @@ class DeviceGradients:
         NotConverged
             The tolerance was not reached.
         """
-        import jax
-
         operator = system.original
         target = tolerance * float(np.linalg.norm(system.load))
+        right = system.project(system.scaled_load)
         with computing(operator.kind):
-            run = jax.jit(iterate, static_argnums=(0, 1))
-            right = system.project(system.scaled_load)
-            found = run(operator.plan, self.limit, operator.arrays, system.scale, system.null, right, target)
-            x, image, step, best, state = (np.asarray(one) for one in found)
+            vectors = {
+                "scale": operator.spread(system.scale, 1.0),
+                "null": operator.spread(system.null),
+                "right": operator.spread(right),
+            }
+            run = compiled(iterate)
+            plan = Loop(operator.plan, self.limit)
+            ends = run(operator.mesh, plan, operator.arrays, vectors, operator.everywhere(target))
+            x, image = operator.joined(ends["x"]), operator.joined(ends["image"])
+            step, best, state = (first(ends[name]) for name in ("step", "best", "state"))
         if state == State.CURVED and best > NOISE * target:
             raise refusal(INDEFINITE, f"negative curvature in iteration {step}")
         if state == State.STALLED:
@@ -60,37 +73,41 @@ class DeviceGradients:
         return x, int(step)
 
 
-def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: Any, target: Any) -> Any:
-    """Return the scaled solution and its image, the steps, the smallest residual and the state; to be compiled."""
+def iterate(loop: Loop, arrays: Any, vectors: dict[str, Any], target: Any) -> dict[str, Any]:
+    """Return the scaled solution and its image, the steps, the smallest residual and the state; to be compiled.
+
+    All is done box by box; two sums over the boxes a step, one more where there is a null space.
+    """
     import jax
     import jax.numpy as jnp
 
-    from solvers.device.operator import applied
+    scale, null, right = vectors["scale"], vectors["null"], vectors["right"]
 
     def project(vector: Any) -> Any:
-        return vector - null @ (null.T @ vector)
+        return vector - null @ total(null.T @ vector) if null.shape[1] else vector
 
-    def unfinished(loop: dict[str, Any]) -> Any:
-        return loop["state"] == State.RUNNING
+    def unfinished(now: dict[str, Any]) -> Any:
+        return now["state"] == State.RUNNING
 
-    def advance(loop: dict[str, Any]) -> dict[str, Any]:
-        step, remainder = loop["step"], loop["remainder"]
-        norm = jnp.linalg.norm(remainder / scale)
-        better = norm < loop["best"]
-        best, best_step = jnp.where(better, norm, loop["best"]), jnp.where(better, step, loop["best_step"])
-        stalled = (step - best_step > STALLED) | (step >= limit)
+    def advance(now: dict[str, Any]) -> dict[str, Any]:
+        step, remainder = now["step"], now["remainder"]
+        unscaled = remainder / scale
+        square, product = total(jnp.stack([unscaled @ unscaled, remainder @ remainder]))
+        norm = jnp.sqrt(square)
+        better = norm < now["best"]
+        best, best_step = jnp.where(better, norm, now["best"]), jnp.where(better, step, now["best_step"])
+        stalled = (step - best_step > STALLED) | (step >= loop.limit)
         done = (norm <= target) | stalled
-        product = remainder @ remainder
-        ratio = jnp.where(step > 0, product / loop["old"], 0.0)
-        direction = remainder + ratio * loop["direction"]
+        ratio = jnp.where(step > 0, product / now["old"], 0.0)
+        direction = remainder + ratio * now["direction"]
         # the last product is that of the solution, for the residual that is reported
-        image = scale * applied(plan, arrays, scale * jnp.where(done, loop["x"], direction))
-        curvature = direction @ image
+        image = scale * applied(loop.plan, arrays, scale * jnp.where(done, now["x"], direction))
+        curvature = total(direction @ image)
         going = jnp.where(curvature > 0, State.RUNNING, State.CURVED)
         state = jnp.where(norm <= target, State.CONVERGED, jnp.where(stalled, State.STALLED, going))
         length = jnp.where(state == State.RUNNING, product / curvature, 0.0)
         return {
-            "x": loop["x"] + length * direction,
+            "x": now["x"] + length * direction,
             "image": image,
             "remainder": project(remainder - length * image),
             "direction": direction,
@@ -114,4 +131,4 @@ def iterate(plan: Plan, limit: int, arrays: Any, scale: Any, null: Any, right: A
         "state": jnp.array(int(State.RUNNING)),
     }
     end = jax.lax.while_loop(unfinished, advance, start)
-    return end["x"], end["image"], end["step"], end["best"], end["state"]
+    return {key: end[key] for key in ("x", "image", "step", "best", "state")}

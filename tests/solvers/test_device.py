@@ -12,8 +12,10 @@ from rfm.errors import DiscretizationError, NumericsError
 from rfm.geometry.primitives import disk
 from solvers import pipeline
 from solvers.device import backend
+from solvers.device.blocks import whole
 from solvers.device.contraction import PointTables, TensorTables
-from solvers.device.extension import extended, extension_arrays, restricted
+from solvers.device.extension import attached, extended, extension_arrays, restricted, sizes_of
+from solvers.device.halo import Halo
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.plate import Plate
 from solvers.equations.poisson import Poisson
@@ -55,6 +57,11 @@ def elastic():
     )
     equation = Elasticity(model="plane_strain", young_modulus=lambda x, y: 2 + x, poisson_ratio=0.3)
     return Problem(ANNULUS, equation, conditions, exact=(smooth, lambda x, y: x * y))
+
+
+def floating():
+    flux = Neumann(ANNULUS.part("all"), FROM_EXACT)
+    return Problem(ANNULUS, Poisson(source=None), (flux,), exact=smooth)
 
 
 def plate():
@@ -123,9 +130,7 @@ def test_solutions_agree(problem):
 
 
 def test_only_flux_conditions():
-    problem = Problem(
-        ANNULUS, Poisson(source=None), (Neumann(ANNULUS.part("all"), FROM_EXACT),), exact=smooth
-    )
+    problem = floating()
     discretization = Discretization(degree=2, grid=12)
     assembled = pipeline.solve(problem, discretization, RITZ)
     found = pipeline.solve(problem, discretization, RITZ, CPU)
@@ -158,8 +163,11 @@ def test_the_extension_and_its_transpose(basis):
     space = SplineSpace.build(grid, 2, ball_states(grid), basis)
     rng = np.random.default_rng(2)
     unknowns, full = rng.standard_normal((2, space.n_dofs)), rng.standard_normal((2, 90))
+    local = Halo(space, whole(grid.shape)).local(0)
+    place = np.arange(space.n_dofs, dtype=np.int32)
+    sizes = sizes_of(attached(local, place)[0])
     with backend.computing("cpu"):
-        arrays = extension_arrays(space.free, full.shape[1])
+        arrays = extension_arrays(local, place, space.n_dofs, len(local.outer), sizes)
         wide, narrow = extended(arrays, unknowns), restricted(arrays, full)
     matrix = to_array(space.extension)
     np.testing.assert_allclose(wide, unknowns @ matrix, atol=1e-13)
@@ -224,6 +232,9 @@ REFUSED = [
     ("ritz", {"basis": "legendre", "grid": 4}, {}, "overlap everywhere: choose basis: web-spline"),
     ("ritz", {"conditions": "exact", "degree": 3}, {}, "choose conditions: natural, or device: none"),
     ("ritz", {}, {"linear": "superlu"}, r"choose linear: cg \(or auto\), or device: none"),
+    ("ritz", {}, {"shards": 0}, "shards must be a positive number, or all, got 0"),
+    ("ritz", {}, {"shards": "most"}, "shards must be a positive number, or all, got 'most'"),
+    ("ritz", {}, {"device": "none", "shards": 2}, "choose device: gpu or cpu, or remove shards"),
     ("ritz", {}, {"device": "tpu"}, "unknown device 'tpu': choose one of none, cpu, gpu"),
 ]
 

@@ -51,10 +51,31 @@ def _root(
 
 @app.command()
 def run(
-    case: CaseFile, set_: Overrides = None, out: Out = None, json: Json = False, allow_large: Large = False
+    case: CaseFile,
+    set_: Overrides = None,
+    out: Out = None,
+    json: Json = False,
+    allow_large: Large = False,
+    coordinator: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HOST:PORT", help="Solve with other processes; 0 listens here (auto: Slurm, Open MPI)."
+        ),
+    ] = None,
+    processes: Annotated[int | None, typer.Option(metavar="N", help="How many processes.")] = None,
+    process: Annotated[int | None, typer.Option(metavar="I", help="Which one this is, from 0.")] = None,
 ) -> None:
     """Solve a case and write results, pictures and a report."""
-    finish("rfm.app.cli.run:run_case", json, file=case, settings=set_ or [], out=out, allow_large=allow_large)
+    together = {"coordinator": coordinator, "count": processes, "index": process}
+    finish(
+        "rfm.app.cli.run:run_case",
+        json,
+        file=case,
+        settings=set_ or [],
+        out=out,
+        allow_large=allow_large,
+        together=together if set(together.values()) != {None} else None,
+    )
 
 
 @app.command()

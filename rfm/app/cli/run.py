@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rfm.app.case import Case
 from rfm.app.cli.outcome import DONE, MISSED, print_json
 from rfm.app.cli.output import say, table
 from rfm.app.cli.progress import listening
 from rfm.app.cli.settings import load
 from rfm.app.memory import refuse_large
+from rfm.errors import RfmError
 
 HEADLINES = (
     "degree",
@@ -24,15 +26,23 @@ HEADLINES = (
 
 
 def run_case(
-    *, file: Path, settings: Sequence[str], out: Path | None, allow_large: bool, as_json: bool
+    *,
+    file: Path,
+    settings: Sequence[str],
+    out: Path | None,
+    allow_large: bool,
+    as_json: bool,
+    together: Mapping[str, Any] | None = None,
 ) -> int:
-    """Solve a case; returns the exit code."""
+    """Solve a case, `together` with other processes if there are any; returns the exit code."""
     from rfm.app.output import write_run
     from rfm.app.run import compute, record_of
     from rfm.app.run_directory import check_output
 
     case = load(file, settings)
     directory = out or Path("runs") / case.name
+    if together is not None and not joined(case, **together):
+        return MISSED if compute(case).misses else DONE
     check_output(directory)
     if not allow_large:
         refuse_large(case)
@@ -50,6 +60,26 @@ def run_case(
     if as_json:
         print_json({**result.summary, "files": files})
     return MISSED if result.misses else DONE
+
+
+def joined(case: Case, coordinator: str | None, count: int | None, index: int | None) -> bool:
+    """Join other processes; whether this one is to write the results.
+
+    Raises
+    ------
+    RfmError
+        The case solves without devices, or the others are not there.
+    """
+    from solvers.device.backend import NONE
+
+    if coordinator is None:
+        raise RfmError("--processes and --process need --coordinator HOST:PORT, the address of process 0")
+    if case.solver.device == NONE:
+        message = f"several processes solve together on devices only: choose cpu or gpu, got {NONE}"
+        raise case.error(("solver", "device"), message)
+    from solvers.device.processes import join
+
+    return join(coordinator, count, index) == 0
 
 
 def describe(summary: Mapping[str, Any], as_json: bool) -> None:

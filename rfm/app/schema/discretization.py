@@ -118,6 +118,21 @@ Weights = Annotated[
 ]
 
 
+def _shards(value: Any) -> int | str:
+    if value == "all":
+        return "all"
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
+        return value
+    raise fail(f"must be all or a positive whole number, got {shown(value)}")
+
+
+Shards = Annotated[
+    int | str,
+    BeforeValidator(_shards),
+    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"const": "all"}]}),
+]
+
+
 class Solver(Strict):
     """The method and its linear solver."""
 
@@ -138,5 +153,9 @@ class Solver(Strict):
     )
     device: choice(*DEVICES) = Field(  # type: ignore[valid-type]
         default="none", description="assembled matrix, or matrix-free conjugate gradients by JAX on a device"
+    )
+    shards: Shards | None = Field(
+        default=None,
+        description="devices that share the cells, or all; one by default, or all of several processes",
     )
     tolerance: Positive = Field(default=1e-12, description="relative residual of iterative linear solvers")
