@@ -67,8 +67,8 @@ class Traffic:
 def predicted(blocks: Blocks, degree: int, components: int = 1) -> Traffic:
     """Traffic where the domain fills the grid: then nothing is extended, and the program exchanges just this.
 
-    A box of ``n_a`` layers needs the ``p`` layers of indices beyond its upper faces, edges and corner.  As all boxes run
-    one program, each exchange has the room of the largest.
+    A box needs the ``p`` layers of indices beyond its upper faces, edges and corner.  As all boxes run one program,
+    each exchange has the room of the largest.
     """
     widths = [
         [high - low for low, high in pairwise(border[:-1])] + [border[-1] - border[-2] + degree]
@@ -122,10 +122,10 @@ def row(shape: Shape, degree: int, grid: int, count: int) -> str:
         int((np.abs(g["chunks"]["coefficients"]).max(axis=(2, 3)) > 0).sum())
         for g in operator.arrays["groups"]
     ]
-    return (
-        f"{shape.parts[0]} | {degree} | {grid} | {len(load)} | {blocks.shown()} | {model.messages}, {found.messages} | "
-        f"{model.numbers * NUMBER}, {found.numbers * NUMBER} | {model.sums}, {found.sums} | {sum(real) / sum(cells):.2f}"
-    )
+    pairs = ((model.messages, found.messages), (model.numbers * NUMBER, found.numbers * NUMBER))
+    columns = [shape.parts[0], degree, grid, len(load), blocks.shown()]
+    columns += [f"{one}, {other}" for one, other in (*pairs, (model.sums, found.sums))]
+    return " | ".join(map(str, [*columns, f"{sum(real) / sum(cells):.2f}"]))
 
 
 def system(

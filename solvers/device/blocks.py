@@ -112,12 +112,7 @@ def divided(state: NDArray[np.int8], degree: int, count: int) -> Blocks:
         ways.append(slabs)
     best: tuple[float, Blocks] | None = None
     for way in ways:
-        found = Blocks(
-            tuple(
-                _cuts(layer, int(span[0]), int(span[1]), k)
-                for layer, span, k in zip(layers, spans, way, strict=True)
-            )
-        )
+        found = Blocks(tuple(_cuts(*one) for one in zip(layers, spans, way, strict=True)))
         cost = _heaviest(work, found) + EXCHANGED * degree * _surface(way, sizes) / count
         if best is None or cost < best[0]:
             best = cost, found
@@ -151,8 +146,9 @@ def _surface(way: tuple[int, ...], sizes: list[int]) -> float:
     return 2.0 * sum((k - 1) * prod(sizes) / n for k, n in zip(way, sizes, strict=True))
 
 
-def _cuts(layer: NDArray[Any], first: int, last: int, count: int) -> tuple[int, ...]:
+def _cuts(layer: NDArray[Any], span: NDArray[Any], count: int) -> tuple[int, ...]:
     """Borders of `count` intervals of about the same sum, each of one layer at least."""
+    first, last = map(int, span)
     total = np.cumsum(layer[first:last], dtype=float)
     middles = total - 0.5 * layer[first:last]
     borders = [first]
