@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rfm.calculus.functions import cos, exp, sin
-from rfm.geometry.primitives import ball
+from rfm.geometry import ball
 from solvers import pipeline
 from solvers.device.backend import computing
 from solvers.device.mesh import mapped

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from rfm.geometry.primitives import ball, box
+from rfm.geometry import ball, box
 from rfm.geometry.shape import Shape
 from solvers import pipeline
 from solvers.device.backend import computing

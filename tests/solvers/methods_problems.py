@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rfm.calculus.functions import cos, exp, sin
-from rfm.geometry.primitives import ball, disk
+from rfm.geometry import ball, disk
 from solvers import pipeline
 from solvers.equations.poisson import Poisson
 from solvers.norms import error_norms

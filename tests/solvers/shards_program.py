@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.scaling import counted, predicted, system, text_of
 from rfm.errors import RfmError
-from rfm.geometry.primitives import rectangle
+from rfm.geometry import rectangle
 from solvers import pipeline
 from solvers.device.processes import join
 from solvers.equations.poisson import Poisson

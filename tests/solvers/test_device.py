@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rfm.errors import DiscretizationError, NumericsError
-from rfm.geometry.primitives import disk
+from rfm.geometry import disk
 from solvers import pipeline
 from solvers.device import backend
 from solvers.device.blocks import whole
