@@ -76,6 +76,20 @@ class Classification:
         """Indices of the inner cells that carry boundary on a face, shape ``(n, d)``."""
         return np.argwhere(self.touching)
 
+    def within(self, mask: Mask) -> Classification:
+        """Return the same for the marked cells, all others being outer ones."""
+        rows = np.concatenate([mask[self.state == CUT], mask[self.touching]])
+        place = np.where(rows, np.cumsum(rows) - 1, -1)
+        boxes = (replace(group, row=place[group.row]) for group in self.boxes)
+        return Classification(
+            self.grid,
+            np.where(mask, self.state, np.int8(OUTER)),
+            self.touching & mask,
+            self.signs[rows],
+            self.active[rows],
+            tuple(group.take(np.flatnonzero(group.row >= 0)) for group in boxes if (group.row >= 0).any()),
+        )
+
 
 def classify(domain: Shape, grid: Grid) -> Classification:
     """Classify the cells of a grid.

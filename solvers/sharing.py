@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rfm.calculus.types import Array
-from solvers.classify import CUT, OUTER, Classification
+from solvers.classify import Classification
 from solvers.device.blocks import Blocks, divided
 from solvers.device.processes import team_of
 from solvers.device.shards import boxes_of
@@ -38,19 +38,11 @@ class Sharing:
         """Classification in which the cells of other processes count as outer ones."""
         if self.blocks is None or self.team.count == 1:
             return classification
-        state, touching = classification.state, classification.touching
         each = self.blocks.count // self.team.count
-        mine = np.zeros(state.shape, dtype=bool)
+        mine = np.zeros(classification.state.shape, dtype=bool)
         for box in range(self.team.index * each, (self.team.index + 1) * each):
             mine[tuple(slice(low, high) for low, high in self.blocks.box(box))] = True
-        rows = np.concatenate([mine[state == CUT], mine[touching]])
-        return replace(
-            classification,
-            state=np.where(mine, state, np.int8(OUTER)),
-            touching=touching & mine,
-            signs=classification.signs[rows],
-            active=classification.active[rows],
-        )
+        return classification.within(mine)
 
     def total(self, numbers: ArrayLike) -> Array:
         """Sum over the processes of a few numbers; scalars and vectors of zeros count as one shape."""

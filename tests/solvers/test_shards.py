@@ -182,6 +182,7 @@ def test_cells_of_other_processes_count_as_outer_ones():
     cut, touching = np.split(full.signs, [len(full.cut_cells)])
     expected = [cut[full.cut_cells[:, 0] >= 7], touching[full.touching_cells[:, 0] >= 7]]
     np.testing.assert_array_equal(own.signs, np.concatenate(expected))
+    assert sum(map(len, own.boxes)) < sum(map(len, full.boxes))
     assert WHOLE.own(full) is full
     assert whole((3, 4)).box(0) == ((0, 3), (0, 4))
 
