@@ -21,6 +21,7 @@ the parities of :mod:`solvers.assembly_parity` and add to the stencil of :mod:`s
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,6 @@ class Assembler:
         self.stencil = Stencil(space.shape, space.degree)
         self.load = np.zeros(self.stencil.size)
         self._spacing = tuple(float(h) for h in space.grid.spacing)
-        self._plans: dict[tuple[Form, bytes], TensorPlan] = {}
         self._work = workspace(len(space.shape))
 
     def add(self, batch: TensorBatch | PointBatch, blocks: Blocks, loads: Loads) -> None:
@@ -110,11 +110,7 @@ class Assembler:
     def _add_tensor(
         self, nodes: Array, cells: NDArray[np.intp], form: Form, arrays: Mapping[Key, Array], target: Array
     ) -> None:
-        key = (form, nodes.tobytes())
-        if key not in self._plans:
-            phi = tables(self.space.degree, nodes, form.order)
-            self._plans[key] = plan(form, lambda kind: table(phi, kind))
-        steps = self._plans[key]
+        steps = tensor_plan(form, self.space.degree, nodes.tobytes())
         shifts = entry_shifts(form.parity, self.space.degree, self.space.shape)
         chunk = max(16, ELEMENTS // steps.rows)
         for start in range(0, len(cells), chunk):
@@ -134,6 +130,13 @@ class Assembler:
                 form, self.space.degree, nodes[piece], {k: a[piece] for k, a in arrays.items()}
             )
             np.add.at(target, (cells[piece, None] + shifts).ravel(), elements.ravel())
+
+
+@lru_cache(maxsize=128)
+def tensor_plan(form: Form, degree: int, nodes: bytes) -> TensorPlan:
+    """Contractions of a form of splines of a degree on tensor nodes, given as the bytes of their array."""
+    phi = tables(degree, np.frombuffer(nodes), form.order)
+    return plan(form, lambda kind: table(phi, kind))
 
 
 def _present(arrays: Any, rank: int, symmetric: bool = False) -> dict[Any, Array]:

@@ -84,9 +84,10 @@ def _small(stencil: Stencil, free: Extension, symmetric: bool) -> Array:
     split = len(free.dofs)
     order = np.concatenate([free.dofs, free.outer])
     full = stencil.dense(order, order)
-    extension = np.zeros((split, len(free.outer)))
     # rows may name a source twice (periodic splines)
-    np.add.at(extension, (free.sources, np.arange(len(free.outer))[:, None]), free.coefficients)
+    places = free.sources * len(free.outer) + np.arange(len(free.outer))[:, None]
+    entries = np.bincount(places.ravel(), free.coefficients.ravel(), split * len(free.outer))
+    extension = entries.reshape(split, len(free.outer))
     left = full[split:, :split]
     outer = extension @ full[split:, split:]
     result: Array = full[:split, :split]

@@ -88,10 +88,15 @@ class Stencil:
 
     def dense(self, rows: Indices, columns: Indices) -> Array:
         """Submatrix of flat indices `rows` and `columns` as an array."""
-        result = np.zeros((len(rows), len(columns)))
-        for start, inside, found, values in self._entries(rows, self._numbering(columns)):
-            result[start + inside.nonzero()[0], found] = values
-        return result
+        band, number = self._band, self._numbering(columns).ravel()
+        # what lies outside goes to one more column
+        result = np.zeros((len(rows), len(columns) + 1))
+        corners, step = self._corners(rows), max(1, WORK // band.stored.size)
+        for start in range(0, len(rows), step):
+            piece = slice(start, start + step)
+            target = number.take(corners[piece, None] + band.neighbour)
+            np.put_along_axis(result[piece], target, self._values(rows[piece]), axis=1)
+        return result[:, :-1]
 
     def sparse(self, rows: Indices, columns: Indices, added: Any = None) -> Any:
         """Submatrix of flat indices `rows` and `columns`, both ascending, as a CSR matrix.
@@ -140,11 +145,11 @@ class Stencil:
         return band(self.shape, self.degree)
 
     def _values(self, rows: Indices) -> Array:
-        """Entries of whole rows, shape (rows, width)."""
+        """Entries of rows, shape (rows, width); any number where the band leaves the array."""
         where = rows[:, None] + self._band.stored
         values = np.zeros(where.shape)
         for parity, stored in self.values.items():
-            entries = stored.take(where)
+            entries = stored.take(where, mode="clip")
             values += entries if min(parity) > 0 else self._band.signs(parity) * entries
         return values
 

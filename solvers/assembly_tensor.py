@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -99,14 +100,12 @@ def plan(form: Form, table: Callable[[Kind], Array]) -> TensorPlan:
         heads = sorted({kinds[level - 1] for kinds, _ in matching})
         stacked = np.concatenate([table(head).T for head in heads], axis=1)
         children = tuple(node((head, *suffix), level - 1) for head in heads)
-        return Contraction(
-            level - 1, int(np.prod(counts[: level - 1])), np.ascontiguousarray(stacked), children
-        )
+        return Contraction(level - 1, prod(counts[: level - 1]), np.ascontiguousarray(stacked), children)
 
     root = node((), dimension)
     if not isinstance(root, Contraction):
         raise ValueError("a form needs at least one direction")
-    return TensorPlan(root, int(np.prod(counts)))
+    return TensorPlan(root, prod(counts))
 
 
 def workspace(dimension: int) -> list[Array]:
@@ -116,7 +115,7 @@ def workspace(dimension: int) -> list[Array]:
 
 def _view(work: list[Array], slot: int, shape: tuple[int, ...]) -> Array:
     """Array of the given shape in a work array."""
-    size = int(np.prod(shape))
+    size = prod(shape)
     if work[slot].size < size:
         work[slot] = np.empty(size)
     return work[slot][:size].reshape(shape)

@@ -57,7 +57,6 @@ class CrossAssembler:
         offset = [b.ravel() - a.ravel()[:, None] + rows.degree for a, b in zip(*local, strict=True)]
         self._offset = np.ravel_multi_index(tuple(offset), self._offsets)
         self._band = np.zeros(int(np.prod(self._offsets)) * len(self._dofs))
-        self._plans: dict[tuple[Form, bytes], TensorPlan] = {}
         self._work = workspace(len(rows.shape))
 
     def add(self, batch: TensorBatch | PointBatch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
@@ -106,18 +105,10 @@ class CrossAssembler:
     def _on_nodes(self, nodes: Array, blocks: Blocks) -> Array:
         """Elements (splines of rows, splines of columns, cells) on tensor nodes."""
         form = cross_form(tuple(sorted(blocks)), tuple(float(h) for h in self.rows.grid.spacing))
-        key = (form, nodes.tobytes())
         dimension, first, second = len(self.rows.shape), self.rows.degree + 1, self.columns.degree + 1
-        if key not in self._plans:
-            left, right = (tables(space.degree, nodes, form.order) for space in (self.rows, self.columns))
-
-            def table(kind: Kind) -> Array:
-                pairs: Array = left[kind[0]][:, :, None] * right[kind[1]][:, None, :]
-                return pairs.reshape(len(nodes), -1)
-
-            self._plans[key] = plan(form, table)
+        steps = cross_plan(form, self.rows.degree, self.columns.degree, nodes.tobytes())
         cells = len(next(iter(blocks.values())))
-        element = self._plans[key].run(blocks, cells, self._work)
+        element = steps.run(blocks, cells, self._work)
         # one pair of numbers a direction: first all of the rows, then all of the columns
         split = element.reshape(*(first, second) * dimension, cells)
         axes = (*range(0, 2 * dimension, 2), *range(1, 2 * dimension, 2), 2 * dimension)
@@ -146,6 +137,19 @@ def cross_form(keys: tuple[tuple[int, int], ...], spacing: tuple[float, ...]) ->
         terms.append((kinds, (((a, b), scale),)))
     order = max(max(kind) for kinds, _ in terms for kind in kinds)
     return Form((), tuple(sorted(terms)), order)
+
+
+@lru_cache(maxsize=128)
+def cross_plan(form: Form, first: int, second: int, nodes: bytes) -> TensorPlan:
+    """Contractions of a form of splines of two degrees on tensor nodes, given as the bytes of their array."""
+    points = np.frombuffer(nodes)
+    left, right = (tables(degree, points, form.order) for degree in (first, second))
+
+    def table(kind: Kind) -> Array:
+        pairs: Array = left[kind[0]][:, :, None] * right[kind[1]][:, None, :]
+        return pairs.reshape(len(points), -1)
+
+    return plan(form, table)
 
 
 def used_cells(space: SplineSpace) -> NDArray[np.bool_]:

@@ -132,7 +132,7 @@ def extend(inner: Mask, relevant: Mask, degree: int) -> Extension:
     sources = position[((where - shift) @ strides)[:, None] + strides @ local]
     coefficients = np.ones((len(outer), 1))
     for axis in range(dimension):
-        factor = _lagrange(shift[:, axis], degree)
+        factor = _within_reach(dimension, degree)[shift[:, axis] + dimension]
         width = coefficients.shape[1] * factor.shape[1]
         coefficients = (coefficients[:, :, None] * factor[:, None, :]).reshape(len(outer), width)
     return Extension(dofs, exposed, outer, sources, coefficients)
@@ -166,11 +166,17 @@ def _lagrange(position: Indices, degree: int) -> Array:
 
 
 @lru_cache(maxsize=32)
+def _within_reach(dimension: int, degree: int) -> Array:
+    """Lagrange polynomials at all positions within reach of an array, the first one ``-dimension``."""
+    return _lagrange(np.arange(-dimension, degree + dimension + 1), degree)
+
+
+@lru_cache(maxsize=32)
 def _reachable(dimension: int, degree: int) -> Indices:
     """Shifts ``j - l`` within reach of an array, sorted from near to far, shape (n, d)."""
     line = np.arange(-dimension, degree + dimension + 1)
     growth = np.log(
-        np.abs(_lagrange(line, degree)).sum(axis=1)
+        np.abs(_within_reach(dimension, degree)).sum(axis=1)
     )  # logarithm of the sum of |e| in one direction
     outside = np.maximum(np.maximum(-line, line - degree), 0)
     off_centre = (line - degree / 2) ** 2

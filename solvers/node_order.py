@@ -24,8 +24,12 @@ def ordered_points(batch: TensorBatch | PointBatch, grid: Grid) -> tuple[Array, 
     """Physical coordinates: d arrays (q n,) of a tensor batch, node after node, or (n, q) of scattered points."""
     if isinstance(batch, PointBatch):
         return batch.points(grid)
-    corners, steps = grid.corners(batch.cells), grid.spacing * batch.unit_points()
-    return tuple(np.add.outer(steps[:, axis], corners[:, axis]).ravel() for axis in range(grid.dimension))
+    corners, (count, m), dimension = grid.corners(batch.cells), (len(batch), len(batch.nodes)), grid.dimension
+    found = []
+    for axis in range(dimension):
+        line = np.add.outer(grid.spacing[axis] * batch.nodes, corners[:, axis])[:, None]
+        found.append(np.broadcast_to(line, (m**axis, m, m ** (dimension - 1 - axis), count)).ravel())
+    return tuple(found)
 
 
 def ordered_weights(batch: TensorBatch | PointBatch) -> Array:
