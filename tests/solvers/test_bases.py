@@ -8,7 +8,7 @@ from numpy.polynomial import chebyshev, legendre
 
 from rfm.calculus.jets import multi_indices
 from rfm.errors import DiscretizationError, NumericsError
-from rfm.geometry.primitives import ball, disk
+from rfm.geometry import ball, disk
 from solvers.background import prepare
 from solvers.bases import tensor_assembly
 from solvers.bases.dense_assembly import DenseAssembler

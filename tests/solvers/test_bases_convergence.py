@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError
-from rfm.geometry.primitives import ball, disk, rectangle
+from rfm.geometry import ball, disk, rectangle
 from solvers import ritz
 from solvers.equations.poisson import Poisson
 from solvers.galerkin import Galerkin

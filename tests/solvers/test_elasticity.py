@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import NumericsError, RfmError, StructureError
-from rfm.geometry.primitives import box, disk, polygon, rectangle
+from rfm.geometry import box, disk, polygon, rectangle
 from solvers import ritz
 from solvers.boundary import condition_rows
 from solvers.equations.elasticity import MODELS, Elasticity

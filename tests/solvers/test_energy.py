@@ -10,7 +10,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import RfmError
-from rfm.geometry.primitives import disk
+from rfm.geometry import disk
 from solvers import ritz
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.energy import Energy

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rfm.calculus.functions import cos, exp, sin
-from rfm.geometry.primitives import ball, disk, rectangle
+from rfm.geometry import ball, disk, rectangle
 from solvers import pipeline, ritz
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.plate import Plate

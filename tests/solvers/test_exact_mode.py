@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError
-from rfm.geometry.primitives import ball, box, disk, half_space, rectangle
+from rfm.geometry import ball, box, disk, half_space, rectangle
 from solvers import ritz
 from solvers.background import prepare
 from solvers.collar import collar_space

@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, log, sin
 from rfm.errors import DiscretizationError, StructureError
-from rfm.geometry.primitives import ball, box, disk, half_plane, rectangle
+from rfm.geometry import ball, box, disk, half_plane, rectangle
 from solvers import pipeline
 from solvers.equations.elasticity import Elasticity
 from solvers.equations.plate import Plate

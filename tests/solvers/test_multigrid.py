@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from rfm.errors import NumericsError
-from rfm.geometry.primitives import disk
+from rfm.geometry import disk
 from solvers import pipeline
 from solvers.assembly import Assembler
 from solvers.equations.elasticity import Elasticity

@@ -9,7 +9,7 @@ import pytest
 
 from rfm.calculus.functions import exp, sin
 from rfm.errors import DiscretizationError, NumericsError, StructureError
-from rfm.geometry.primitives import ball, disk, rectangle
+from rfm.geometry import ball, disk, rectangle
 from solvers import pipeline
 from solvers.equations.poisson import Poisson
 from solvers.methods import METHODS

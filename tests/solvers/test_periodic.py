@@ -5,8 +5,8 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError, StructureError
+from rfm.geometry import box, disk, rectangle
 from rfm.geometry.box import Box
-from rfm.geometry.primitives import box, disk, rectangle
 from solvers import pipeline
 from solvers.bases.spline import Spline
 from solvers.classify import classify

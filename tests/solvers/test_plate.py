@@ -7,7 +7,7 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.errors import DiscretizationError, RfmError, StructureError
-from rfm.geometry.primitives import ball, disk, ellipse, rectangle
+from rfm.geometry import ball, disk, ellipse, rectangle
 from solvers import ritz
 from solvers.boundary import condition_rows
 from solvers.equations.plate import Plate, curvature

@@ -11,7 +11,7 @@ import pytest
 
 from rfm.calculus.functions import cos, cosh, exp, sin
 from rfm.errors import NumericsError
-from rfm.geometry.primitives import ball, disk, rectangle
+from rfm.geometry import ball, disk, rectangle
 from solvers import ritz
 from solvers.equations.poisson import Poisson
 from solvers.norms import boundary_errors, error_norms

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rfm.calculus.functions import exp, sin
-from rfm.geometry.primitives import disk
+from rfm.geometry import disk
 from solvers import ritz
 from solvers.equations.poisson import Poisson
 from solvers.norms import error_norms

@@ -7,8 +7,8 @@ import pytest
 
 from rfm.calculus.functions import cos, exp, sin
 from rfm.calculus.jets import partials
+from rfm.geometry import ball, disk, polygon, rectangle
 from rfm.geometry.distance import distance
-from rfm.geometry.primitives import ball, disk, polygon, rectangle
 from rfm.geometry.weight import weight
 from structures.catalogue import traces
 from structures.catalogue.entry import OnBoundary
