@@ -42,9 +42,13 @@ def reduce_matrix(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
     coupled = 10 * (2 * stencil.degree + 1) ** len(stencil.shape) >= relevant
     if coupled and relevant <= DENSE_COUPLED:
         return _dense(stencil, free, symmetric)
-    if not len(free.outer):
-        return stencil.sparse(free.dofs, free.dofs)
-    return stencil.sparse(free.dofs, free.dofs, _correction(stencil, free, symmetric))
+    return reduce_sparse(stencil, free, symmetric)
+
+
+def reduce_sparse(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
+    """Matrix of the unknowns as CSR."""
+    correction = _correction(stencil, free, symmetric) if len(free.outer) else None
+    return stencil.sparse(free.dofs, free.dofs, correction)
 
 
 def _correction(stencil: Stencil, free: Extension, symmetric: bool) -> Any:

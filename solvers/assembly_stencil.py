@@ -121,6 +121,7 @@ class Stencil:
         rest = self._searched(rows[near], number, len(columns))
         if added is not None:
             rest = rest + added[near]
+            rest.sort_indices()
         if not len(whole):
             return rest
         counts = np.full(len(rows), width)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from solvers.equations.density import Blocks, Loads
 from solvers.problem import SolverOptions
 from solvers.quadrature.batch import PointBatch, TensorBatch
 from solvers.web import SplineSpace
+
+if TYPE_CHECKING:
+    from solvers.assembly_stencil import Stencil
 
 Key = tuple[int, int]
 
@@ -76,6 +79,12 @@ class BlockAssembler:
                 if m < n:
                     grid[n][m] = finished[m, n][0].T
         return joined(grid, [space.n_dofs for space in self.spaces]), load
+
+    def stencils(self) -> dict[Key, Stencil]:
+        """Matrices of all B-splines, for those pairs of splines that share one space."""
+        from solvers.assembly import Assembler
+
+        return {key: pair.stencil for key, pair in self._pairs.items() if isinstance(pair, Assembler)}
 
     def functions(self, unknowns: Array) -> tuple[Psi, ...]:
         """The function of each spline."""

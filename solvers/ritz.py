@@ -87,7 +87,7 @@ class Ritz:
         from solvers.systems import EnergySystem
 
         matrix, load = assembly.run(watch)
-        return EnergySystem(matrix, load, lattice_of(assembly.assembler.spaces))
+        return EnergySystem(matrix, load, lattice_of(assembly.assembler.spaces, assembly.assembler.stencils()))
 
 
 def solve(

@@ -78,6 +78,8 @@ def conjugate_gradients(
             break
         preconditioned = system.project(precondition(remainder))
         product = float(remainder @ preconditioned)
+        if not product > 0:  # a preconditioner that rounding has made indefinite
+            raise not_converged(norm / target * tolerance, tolerance, step)
         ratio = product / old if step else 0.0
         direction = preconditioned + ratio * direction
         image = apply(direction)

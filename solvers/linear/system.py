@@ -132,6 +132,10 @@ class ScaledSystem:
         matrix.data *= self.scale[matrix.indices]
         return matrix
 
+    def apply(self, scaled: Array) -> Array:
+        """Scaled matrix times a vector, without a copy of the matrix."""
+        return self.scale * np.asarray(self.original @ (self.scale * scaled))
+
     def pins(self) -> NDArray[np.intp]:
         """Unknowns that fix the part along the null space.
 

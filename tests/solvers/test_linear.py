@@ -28,6 +28,11 @@ def laplacian(n, shift=0.0):
 
 def neumann(n, degree=2):
     """Pure Neumann Laplacian of a box, and its load for a source with mean zero."""
+    return neumann_assembler(n, degree).finish()
+
+
+def neumann_assembler(n, degree):
+    """Assembler of both."""
     grid = unit_grid(n, n)
     space = SplineSpace.build(grid, degree, full_states(grid))
     batch = gauss_batch(grid, np.argwhere(full_states(grid).state == 1), degree + 1)
@@ -36,7 +41,7 @@ def neumann(n, degree=2):
     side = float(grid.spacing[0] * grid.cells[0])
     source = np.cos(np.pi * x / side)
     assembler.add(batch, {(1, 1): batch.weights, (2, 2): batch.weights}, {0: batch.weights * source})
-    return assembler.finish()
+    return assembler
 
 
 @pytest.mark.parametrize("method", [*ALWAYS, "auto"])

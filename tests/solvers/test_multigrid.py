@@ -17,6 +17,7 @@ from solvers.evaluation import evaluate
 from solvers.grid import Grid
 from solvers.linear import solve
 from solvers.linear.choice import choose
+from solvers.linear.coarse_stencil import coarse_stencil, mask
 from solvers.linear.lattice import lattice_of
 from solvers.linear.multigrid import hierarchy
 from solvers.linear.schwarz import Schwarz, tiled
@@ -27,7 +28,7 @@ from solvers.ritz import Ritz
 from solvers.web import SplineSpace
 from tests.solvers.methods_problems import dirichlet, mixed, on_the_ball
 from tests.solvers.synthetic import ball_states, full_states, gauss_batch, to_array, unit_grid
-from tests.solvers.test_linear import neumann
+from tests.solvers.test_linear import neumann_assembler
 
 MULTIGRID = SolverOptions(linear="multigrid", tolerance=1e-11)
 
@@ -37,6 +38,11 @@ def iterations(problem, degree, grid, options=MULTIGRID, **more):
     assert found.linear.method == "multigrid"
     assert found.linear.residual < 1e-10
     return found.linear.iterations
+
+
+def lattice_on(space, assembler=None):
+    """Lattice of one component; without an assembler its matrix is zero."""
+    return lattice_of([space], {(0, 0): (assembler or Assembler(space)).stencil})
 
 
 def space_of(states, degree, *cells):
@@ -53,7 +59,7 @@ def space_of(states, degree, *cells):
 def test_a_coarse_spline_on_the_whole_box_is_a_fine_one(degree, cells, seed):
     cells = [2 * (n // 2) for n in cells]
     space = space_of(full_states, degree, *cells)
-    lattice = lattice_of([space])
+    lattice = lattice_on(space)
     coarse, prolongation = lattice.coarser()
     grid = Grid(space.grid.lower, 2 * space.grid.spacing, space.grid.cells // 2)
     half = SplineSpace.build(grid, degree, full_states(grid))
@@ -76,7 +82,7 @@ def values(space, unknowns, points):
 def test_polynomials_are_carried_over_to_the_boundary(degree, cells):
     """Affine functions as unknowns of both lattices: their values at the middles of the supports."""
     space = space_of(ball_states, degree, *cells)
-    lattice = lattice_of([space])
+    lattice = lattice_on(space)
     coarse, prolongation = lattice.coarser()
     index = np.unravel_index(coarse.free.dofs, coarse.shape)
     middles = [
@@ -124,9 +130,9 @@ def test_the_solution_is_that_of_a_factorisation(degree, basis, digits):
 @pytest.mark.parametrize("degree", [2, 3])
 def test_flux_conditions_only(degree):
     """The matrix has a null space on every level."""
-    matrix, load = neumann(24, degree)
-    grid = unit_grid(24, 24)
-    lattice = lattice_of([SplineSpace.build(grid, degree, full_states(grid))])
+    assembler = neumann_assembler(24, degree)
+    matrix, load = assembler.finish()
+    lattice = lattice_on(assembler.space, assembler)
     found = solve(matrix, load, "multigrid", 1e-11, np.ones(len(load)), lattice)
     np.testing.assert_allclose(to_array(matrix) @ found.x, load, atol=1e-9 * np.abs(load).max())
     np.testing.assert_allclose(found.x.sum(), 0.0, atol=1e-10 * np.abs(found.x).sum())
@@ -156,41 +162,82 @@ def test_components_coupled_by_a_condition(degree):
     assert iterations(problem, degree, 24) <= 20
 
 
-def test_schwarz_blocks_are_symmetric_and_solve_for_tiles():
+@pytest.mark.parametrize(("kind", "digits"), [(np.float64, 11), (np.float32, 4)])
+def test_sweeps_solve_on_one_tile_after_the_other(kind, digits):
     space = space_of(ball_states, 3, 12, 12)
-    matrix, _ = system_of(space)
-    tiles = tiled(lattice_of([space]), 5, 3)
-    covered = np.bincount(tiles[tiles >= 0], minlength=space.n_dofs)
-    assert covered.min() >= 1
-    block = Schwarz.of(matrix, tiles)
-    applied = np.stack([block(e) for e in np.eye(space.n_dofs)])
-    np.testing.assert_allclose(applied, applied.T, atol=1e-12)
-    expected = np.zeros_like(applied)
-    for tile in tiles:
-        k = tile[tile >= 0]
-        expected[np.ix_(k, k)] += np.linalg.inv(to_array(matrix)[np.ix_(k, k)])
-    expected *= np.outer(covered, covered) ** -0.5
-    np.testing.assert_allclose(applied, expected, rtol=1e-4, atol=1e-5)
+    matrix, load, lattice = system_of(space)
+    scale = matrix.diagonal() ** -0.5
+    scaled = scale[:, None] * to_array(matrix) * scale
+    tiles = tiled(lattice, 5, 3)
+    schwarz = Schwarz.of(matrix, scale, tiles, kind)
+    assert np.bincount(tiles[tiles >= 0], minlength=space.n_dofs).min() >= 1
+    expected, rhs = np.zeros(len(load)), (scale * load).astype(kind)
+    found = expected.astype(kind)
+    for backwards in (False, True):
+        for tile in tiles[::-1] if backwards else tiles:
+            k = tile[tile >= 0]
+            expected[k] += np.linalg.solve(scaled[np.ix_(k, k)], (rhs - scaled @ expected)[k])
+        schwarz.sweep(found, rhs, backwards)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=10.0**-digits * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_a_cycle_is_symmetric_and_positive(degree):
+    space = space_of(ball_states, degree, 28, 28)
+    matrix, load, lattice = system_of(space)
+    cycle = hierarchy(ScaledSystem.of(matrix, load, lattice=lattice), lattice)
+    assert len(cycle.levels) == 1
+    applied = np.stack([cycle(e) for e in np.eye(space.n_dofs)])
+    np.testing.assert_allclose(applied, applied.T, atol=1e-4 * np.abs(applied).max())
+    assert np.linalg.eigvalsh(applied + applied.T).min() > 0
 
 
 def system_of(space):
-    """Mass and stiffness of the inner cells, as a sparse matrix with a load."""
+    """Mass and stiffness of the inner cells, as a sparse matrix with a load, and the lattice."""
     assembler = Assembler(space)
     batch = gauss_batch(space.grid, np.argwhere(ball_states(space.grid).state == 1), space.degree + 1)
     w = batch.weights
     assembler.add(batch, {(0, 0): w, (1, 1): w, (2, 2): w}, {0: w})
     matrix, load = assembler.finish()
-    return csr_array(matrix), load
+    sparse = csr_array(matrix)
+    sparse.sort_indices()
+    return sparse, load, lattice_on(space, assembler)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("cells", [(12,), (8, 10), (6, 6, 7)])
+@pytest.mark.parametrize("alphas", [{(0, 0), (1, 1)}, {(0, 1)}])
+def test_coarse_stencils_are_energies_of_coarse_splines(degree, cells, alphas):
+    """``T^T A T`` with all B-splines; the antisymmetric part of a form that is not symmetric too."""
+    grid = unit_grid(*cells)
+    space = SplineSpace.build(grid, degree, full_states(grid))
+    assembler = Assembler(space, symmetric=len(alphas) > 1)
+    batch = gauss_batch(grid, np.argwhere(full_states(grid).state == 1), degree + 1)
+    weight = batch.weights * (1 + np.sin(7 * sum(batch.points(grid))))
+    assembler.add(batch, dict.fromkeys(alphas, weight), {})
+    fine, coarse = assembler.stencil, coarse_stencil(assembler.stencil)
+    assert all(c >= (n - degree + 1) // 2 + degree for c, n in zip(coarse.shape, fine.shape, strict=True))
+    scale = np.ones((1, 1))
+    for n, c in zip(fine.shape, coarse.shape, strict=True):
+        one = np.zeros((n, c))
+        for i in range(c):
+            for a, m in enumerate(mask(degree)):
+                if 0 <= 2 * i - degree + a < n:
+                    one[2 * i - degree + a, i] = m
+        scale = np.kron(scale, one)
+    every, half = np.arange(fine.size), np.arange(coarse.size)
+    expected = scale.T @ fine.dense(every, every) @ scale
+    np.testing.assert_allclose(coarse.dense(half, half), expected, atol=1e-13 * np.abs(expected).max())
 
 
 def test_levels_have_unit_diagonals_and_end_small():
     space = space_of(ball_states, 2, 50, 50)
-    matrix, load = system_of(space)
-    levels, _ = hierarchy(ScaledSystem.of(matrix, load, lattice=lattice_of([space])), lattice_of([space]))
-    assert len(levels) == 2
-    for level in levels:
-        np.testing.assert_allclose(level.matrix.diagonal(), 1.0)
-    assert levels[-1].prolongation.shape[1] <= 300
+    matrix, load, lattice = system_of(space)
+    found = hierarchy(ScaledSystem.of(matrix, load, lattice=lattice), lattice)
+    assert len(found.levels) == 2
+    for level in found.levels:
+        np.testing.assert_allclose(level.smoother.matrix.diagonal(), 1.0, atol=1e-6)
+    assert len(found.inverse) <= 300
 
 
 def test_without_a_lattice_it_is_refused():
@@ -203,10 +250,11 @@ def test_without_a_lattice_it_is_refused():
 
 def test_what_has_no_lattice():
     space, other = (space_of(ball_states, degree, 12, 12) for degree in (2, 3))
-    assert lattice_of([space, space]).size == space.n_dofs
-    assert lattice_of([space, other]) is None
+    stencil = Assembler(space).stencil
+    assert lattice_of([space, space], {(0, 0): stencil, (1, 1): stencil}).size == space.n_dofs
+    assert lattice_of([space, other], {}) is None
     grid = unit_grid(12, 12)
-    assert lattice_of([SplineSpace.build(grid, 2, full_states(grid), wraps={0: 1.0})]) is None
+    assert lattice_of([SplineSpace.build(grid, 2, full_states(grid), wraps={0: 1.0})], {}) is None
 
 
 def test_automatic_choice_of_high_degree():
@@ -219,7 +267,7 @@ def test_automatic_choice_of_high_degree():
     assert "cheaper than multigrid" in coarse.reason
     assert "splines of degree 5" in fine.reason
     space = space_of(ball_states, 3, 40, 40)
-    matrix, load = system_of(space)
-    names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice_of([space])))]
+    matrix, load, lattice = system_of(space)
+    names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice))]
     assert names[:2] == ["cg", "multigrid"]
     assert "amg" not in names
