@@ -41,7 +41,7 @@ from solvers.linear.coarse_stencil import coarse_shape, coarse_stencil, mask
 from solvers.web import SplineSpace
 
 if TYPE_CHECKING:
-    from solvers.block_assembly import BlockAssembler
+    pass
 
 
 @dataclass(frozen=True, eq=False)

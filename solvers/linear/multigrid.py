@@ -11,7 +11,6 @@ the degree (docs/spaces.md).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 

@@ -74,7 +74,11 @@ class Schwarz:
         index = np.int64 if large else np.int32
         ordered = np.sort(tiles, axis=1)
         members = ordered[ordered >= 0].astype(index)
-        whole = (matrix.indptr.astype(index, copy=False), matrix.indices.astype(index, copy=False), matrix.data)
+        whole = (
+            matrix.indptr.astype(index, copy=False),
+            matrix.indices.astype(index, copy=False),
+            matrix.data,
+        )
         inverses = np.empty(corners[-1], dtype=kind)
         first = 0
         while first < len(count):
@@ -120,7 +124,7 @@ def _inverted(whole: tuple[Any, Any, Array], scale: Array, members: Integers, co
 
 
 def scaled_entries(matrix: Any, scale: Array, kind: DTypeLike) -> NDArray[np.floating[Any]]:
-    """Entries of ``S A S`` for a CSR matrix A; in chunks, because large temporary arrays cost more than the products."""
+    """Entries of ``S A S`` for a CSR matrix A; in chunks, for large temporary arrays cost more than products."""
     data = np.empty(matrix.nnz, dtype=kind)
     step = max(1, CHUNK * len(scale) // max(matrix.nnz, 1))
     for start in range(0, len(scale), step):
