@@ -87,7 +87,8 @@ class Ritz:
         from solvers.systems import EnergySystem
 
         matrix, load = assembly.run(watch)
-        return EnergySystem(matrix, load, lattice_of(assembly.assembler.spaces, assembly.assembler.stencils()))
+        assembler = assembly.assembler
+        return EnergySystem(matrix, load, lattice_of(assembler.spaces, assembler.stencils()))
 
 
 def solve(
