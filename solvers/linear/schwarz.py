@@ -73,7 +73,7 @@ class Schwarz:
         large = max(int(corners[-1]), matrix.nnz) > np.iinfo(np.int32).max
         index = np.int64 if large else np.int32
         ordered = np.sort(tiles, axis=1)
-        members = ordered[ordered >= 0].astype(index)
+        members: Integers = ordered[ordered >= 0].astype(index)
         whole = (
             matrix.indptr.astype(index, copy=False),
             matrix.indices.astype(index, copy=False),

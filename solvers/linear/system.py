@@ -134,7 +134,8 @@ class ScaledSystem:
 
     def apply(self, scaled: Array) -> Array:
         """Scaled matrix times a vector, without a copy of the matrix."""
-        return self.scale * np.asarray(self.original @ (self.scale * scaled))
+        product: Array = self.scale * (self.original @ (self.scale * scaled))
+        return product
 
     def pins(self) -> NDArray[np.intp]:
         """Unknowns that fix the part along the null space.
