@@ -18,6 +18,7 @@ import numpy as np
 from rfm.calculus.types import Array
 from rfm.errors import DiscretizationError
 from solvers.bases.basis import Accumulator, Psi, Space
+from solvers.corners.space import CornerSpace, SplineCornerAssembler
 from solvers.cross_assembly import CrossAssembler
 from solvers.equations.density import Blocks, Loads
 from solvers.problem import SolverOptions
@@ -119,6 +120,8 @@ def between(first: Space, second: Space) -> Accumulator:
     """
     if isinstance(first, SplineSpace) and isinstance(second, SplineSpace):
         return CrossAssembler(first, second)
+    if isinstance(first, SplineSpace) and isinstance(second, CornerSpace):
+        return SplineCornerAssembler(first, second)
     raise DiscretizationError(
         "a structure with a second spline in a collar (conditions: exact) needs basis: web-spline or b-spline"
     )

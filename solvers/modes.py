@@ -11,6 +11,7 @@ from typing import Protocol
 
 from rfm.errors import DiscretizationError
 from solvers.background import Background
+from solvers.corners.setting import corner_space, cornered, with_corners
 from solvers.exact_mode import Exact, collar_points
 from solvers.grid import Grid
 from solvers.piece_ends import cut_at_ends, regions_at_ends
@@ -44,12 +45,16 @@ class Natural:
         return discretization
 
     def structure(self, problem: Problem, discretization: Discretization, grid: Grid) -> Structure:
-        """Structure of the essential conditions."""
-        return seamless_structure(problem, discretization, grid)
+        """Structure of the essential conditions, with the singular functions of corners."""
+        essential = seamless_structure(problem, discretization, grid)
+        return with_corners(essential, corner_space(problem, discretization, grid))
 
     def setting(self, problem: Problem, discretization: Discretization, background: Background) -> Setting:
-        """One space for all components; one region, apart from the ends of pieces."""
-        structure = self.structure(problem, discretization, background.grid)
+        """One space for all components, one of corners; one region, apart from the ends of pieces and from corners."""
+        structure = seamless_structure(problem, discretization, background.grid)
+        corners = corner_space(problem, discretization, background.grid)
+        if corners is not None:
+            return cornered(with_corners(structure, corners), background, corners)
         points = collar_points(discretization.degree)
         regions = regions_at_ends(problem, structure, cut_at_ends(problem, background, points), points)
         return Setting(structure, (background.space,) * len(structure), regions)

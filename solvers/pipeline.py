@@ -15,12 +15,15 @@ from solvers.background import Background, prepare
 from solvers.bases.basis import Space
 from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
+from solvers.corners.rules import all_rules
+from solvers.corners.setting import settled
 from solvers.data import require_finite
 from solvers.device.backend import NONE
 from solvers.device.processes import telling
 from solvers.equations.density import Density
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
+from solvers.linear.bordered import solve_bordered
 from solvers.linear.system import Indefinite
 from solvers.materials import materials_setting
 from solvers.method import Method, require
@@ -76,6 +79,7 @@ def solve(
     options = options or SolverOptions()
     require_posed(problem)
     require(method, problem, discretization, options)
+    discretization = settled(discretization, method.name, options.device, problem)
     watch = Stopwatch(listener)
     with telling(options.device):
         try:
@@ -109,7 +113,9 @@ def _solved(
         options = assembler.options(options)
         if setting.sides and sum(space.n_dofs for space in setting.spaces) <= PIVOTED:
             options = replace(options, redundant=True)
-        if setting.overlapping and kernel is None and isinstance(system, EnergySystem):
+        if setting.corners is not None and isinstance(system, EnergySystem):
+            linear = solve_bordered(system.matrix, system.load, setting.corners.n_dofs, options)
+        elif setting.overlapping and kernel is None and isinstance(system, EnergySystem):
             linear = system.solve_reporting(options, problem.domain.dimension)
         else:
             linear = system.solve(options, kernel)
@@ -125,6 +131,8 @@ def _solved(
 def pieces_of(problem: Problem, trial: Trial, background: Background, setting: Setting) -> tuple[Piece, ...]:
     """The materials of a solution and their interfaces."""
     if not setting.sides:
+        if setting.corners is not None:
+            background = all_rules(*(region.background for region in setting.regions))
         return (Piece(problem, trial, background),)
     return tuple(
         Piece(r.problem or problem, trial.within(r.structure), r.background) for r in setting.regions

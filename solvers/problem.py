@@ -260,6 +260,9 @@ class Discretization:
         smoothly across the boundary.
     conditions
         ``natural`` leaves flux conditions to the functional, ``exact`` builds them into the solution structure.
+    singular
+        Singular functions at re-entrant corners (:mod:`solvers.corners`): ``auto`` where there are such corners and the
+        method has them, ``corners`` refuses where not, ``none``.
     """
 
     degree: int = 3
@@ -271,6 +274,7 @@ class Discretization:
     quadrature_points: int | None = None
     moment_fitting: bool = True
     conditions: str = "natural"
+    singular: str = "auto"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from solvers.problem import Problem
 from structures.operator import Operator
 
 if TYPE_CHECKING:
+    from solvers.corners.space import CornerSpace
     from solvers.materials import Side
 
 Structure = tuple[Operator, ...]
@@ -40,14 +41,17 @@ class Setting:
         Their cells and boundary rules together are those of the domain.
     sides
         The inclusions, where there are several materials; the regions are the materials and their interfaces then.
+    corners
+        The space of singular functions at corners, the last one, where there are such.
     """
 
     structure: Structure
     spaces: tuple[Space, ...]
     regions: tuple[Region, ...]
     sides: tuple[Side, ...] = ()
+    corners: CornerSpace | None = None
 
     @property
     def overlapping(self) -> bool:
         """Whether several splines make up one component, so that they may nearly depend on each other."""
-        return len(self.spaces) > len(self.structure)
+        return self.corners is None and len(self.spaces) > len(self.structure)

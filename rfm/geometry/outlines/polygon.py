@@ -3,6 +3,10 @@
 With E(r) the expression of a ring (``chains``), a ring with the rings directly inside it is
 ``E(r) & ~S(h1) & ~S(h2) ...``, and S(h) of each of them is formed in the same way: a ring in a hole is an
 island again (the even-odd rule).
+
+E(r) of the outer ring is an intersection of the half-planes that hold all of it, and of what the other edges leave: an
+edge of a pocket whose line supports the ring (y = -1 of an L) would otherwise be joined with the pocket by R-operations,
+and every weight would have a kink at its convex corner.
 """
 
 from __future__ import annotations
@@ -14,13 +18,16 @@ import numpy as np
 
 from rfm.calculus.types import Array
 from rfm.geometry import support
-from rfm.geometry.expression import Expression, conjunction
+from rfm.geometry.expression import Expression, Literal, assuming, conjunction
 from rfm.geometry.outlines.chains import tree_of_chains
 from rfm.geometry.outlines.lines import Edges, numbered
 from rfm.geometry.outlines.rings import check_simple, checked_ring, nesting
 from rfm.geometry.shape import Shape
 
 Vertices: TypeAlias = Sequence[Sequence[float]] | Array
+
+SUPPORTS = 1e-12
+"""How far a vertex may lie beyond a line that supports the ring, relative to the size of the ring."""
 
 
 def polygon(vertices: Vertices, holes: Sequence[Vertices] = ()) -> Shape:
@@ -56,6 +63,21 @@ def polygon(vertices: Vertices, holes: Sequence[Vertices] = ()) -> Shape:
     def region(index: int) -> Expression:
         """Expression of a ring less the rings inside it."""
         outer = tree_of_chains(walked[index][0]).expression(own[index])
+        if index == 0:
+            outer = _supported(outer, own[0], rings[0].vertices)
         return conjunction([outer, *(region(hole).negated() for hole in inner[index])])
 
     return Shape(2, region(0), support.points(rings[0].vertices))
+
+
+def _supported(expression: Expression, edges: Sequence[Literal], vertices: Array) -> Expression:
+    """Return ``E & h1 & h2 ...`` for the half-planes h of edges that hold all vertices, these taken out of E."""
+    scale = float(np.ptp(vertices, axis=0).max())
+    supporting: list[Expression] = []
+    for literal in dict.fromkeys(edges):
+        values = literal.surface.function(*vertices.T) * (1.0 if literal.positive else -1.0)
+        rest = assuming(expression, literal.surface, literal.positive)
+        if values.min() >= -SUPPORTS * scale and isinstance(rest, Expression):
+            supporting.append(literal)
+            expression = rest
+    return conjunction([expression, *supporting])

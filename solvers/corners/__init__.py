@@ -1,0 +1,1 @@
+"""Singular functions at corners: which, where, their space, its assembly, its quadrature."""

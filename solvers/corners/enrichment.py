@@ -1,0 +1,221 @@
+r"""Which corners of a problem get functions of their own, and which functions.
+
+.. math:: u = g + \omega \psi + \sum_c \varphi_c \sum_k c_{ck} S_{ck}
+
+with the functions S of the corners (:mod:`structures.corner_functions`) and factors :math:`\varphi` that vanish on the
+other essential parts (:mod:`structures.fading`), so that the essential conditions hold for all coefficients.
+
+The functions are those of :math:`-k \Delta u + c u = f` with a constant k; Ritz' method takes them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from rfm.calculus.jets import multi_indices, partials
+from rfm.calculus.types import Array, Field
+from rfm.errors import DiscretizationError
+from rfm.geometry.part import Part
+from rfm.geometry.shape import Shape
+from rfm.geometry.singular.straight import StraightCorner, straight_corners
+from rfm.geometry.surface import Surface
+from rfm.geometry.weight import weight
+from solvers.bases.registry import basis
+from solvers.device.backend import NONE
+from solvers.equations.poisson import Poisson
+from solvers.grid import Grid
+from solvers.problem import Dirichlet, Discretization, Neumann, Periodic, Problem, Robin
+from structures.contact import boundary_points
+from structures.corner_functions import CornerFunctions
+from structures.fading import VANISHED, Window, fading
+
+AUTO, CORNERS, OFF = "auto", "corners", "none"
+CHOICES = (AUTO, OFF, CORNERS)
+"""Values of `singular`: where it pays, nowhere, or refuse where it is not possible."""
+
+REACH = 2.5
+"""Cells around a corner within which there must be no boundary but its two edges."""
+CLOSER = 0.95
+"""The boundary may come closer to a corner than its sampled points."""
+SAMPLES = 17
+"""Points a direction at which the largest value of a weight is looked for, and the domain behind a corner."""
+
+
+@dataclass(frozen=True, eq=False)
+class Enriched:
+    """A corner with its functions and their factor (None: one)."""
+
+    functions: CornerFunctions
+    factor: Field | None
+    reach: float
+    """Distance up to which the functions are there; infinite without a window."""
+
+    @property
+    def corner(self) -> StraightCorner:
+        """Where."""
+        return self.functions.corner
+
+    def table(self, x: Array, y: Array, order: int) -> Array:
+        """Partial derivatives of factor times functions at points (n,), shape (n_alpha, n, count)."""
+        own = self.functions.table(x, y, order)
+        if self.factor is None:
+            return own
+        return times(partials(self.factor, (x, y), order), own, order)
+
+
+def times(factor: Array, table: Array, order: int) -> Array:
+    """Leibniz' rule: jets (n_alpha, n) of a factor times jets (n_alpha, n, k)."""
+    rows = {alpha: k for k, alpha in enumerate(multi_indices(2, order))}
+    result = factor[0][None, :, None] * table
+    for (a, b), row in rows.items():
+        for (c, d), other in rows.items():
+            if c <= a and d <= b and other:
+                binomial = math.comb(a, c) * math.comb(b, d)
+                result[row] += binomial * factor[other][:, None] * table[rows[a - c, b - d]]
+    return result
+
+
+def unsuitable(method: str, device: str, problem: Problem, discretization: Discretization) -> str | None:
+    """Why a problem and its discretisation cannot have functions of corners at all; None when they can."""
+    equation = problem.equation
+    if not isinstance(equation, Poisson) or callable(equation.conductivity) or equation.advection is not None:
+        return "the equation must be poisson with a constant conductivity and no advection"
+    if problem.domain.dimension != 2:
+        return "the domain must be plane"
+    if method != "ritz" or device != NONE:
+        return "the method must be ritz without a device"
+    if not basis(discretization.basis).local or discretization.conditions != "natural":
+        return "the basis must be web-spline or b-spline, with conditions: natural"
+    if problem.inclusions:
+        return "there must be no inclusions"
+    if not all(isinstance(c, Dirichlet | Neumann | Robin) for c in problem.conditions):
+        return "the conditions must be dirichlet, neumann or robin"
+    if not any(isinstance(c, Dirichlet) for c in problem.conditions):
+        return "a value must be prescribed somewhere"
+    return None
+
+
+def enriched_corners(problem: Problem, discretization: Discretization, grid: Grid) -> tuple[Enriched, ...]:
+    """The re-entrant corners of a problem with their functions; () where `singular` is off.
+
+    Parameters
+    ----------
+    problem, discretization
+        What is solved and how.
+    grid
+        Its background grid: the cells next to a corner must have no other boundary.
+
+    Raises
+    ------
+    DiscretizationError
+        ``singular: corners`` was asked for, and no corner can have functions.
+    """
+    if discretization.singular == OFF:
+        return ()
+    corners = straight_corners(problem.domain)
+    near = REACH * float(np.max(grid.spacing))
+    found = [
+        one
+        for corner in corners
+        if _is_sector(problem.domain, corner, near)
+        and (one := _enriched(problem, corner, discretization.degree))
+    ]
+    if discretization.singular == CORNERS and not found:
+        raise DiscretizationError(
+            "singular must be auto or none here: the domain has no corner above 180 degrees between two straight "
+            "edges, each with one condition on all of it and more than two cells long"
+        )
+    return tuple(found)
+
+
+def highest(degree: int) -> int:
+    """Largest exponent that splines of a degree need help with."""
+    return min(degree + 2, 8)
+
+
+def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched | None:
+    domain = problem.domain
+    kinds = [_held(problem, surface) for surface in (corner.first, corner.second)]
+    if None in kinds:
+        return None
+    held = (bool(kinds[0]), bool(kinds[1]))
+    own = frozenset(s for s, yes in zip((corner.first, corner.second), held, strict=True) if yes)
+    rays = [a for a, yes in zip((0.0, corner.angle), held, strict=True) if yes]
+    essential = reduce(
+        lambda a, b: a | b, (c.part for c in problem.conditions if isinstance(c, Dirichlet))
+    )
+    factor: Field | None
+    if _continues(domain, corner) and all(_alone(domain, corner, corner.start + a) for a in rays):
+        others = essential - Part("own edges", own)
+        factor, reach = _fading(domain, others, corner, degree) if others.surfaces else (None, math.inf)
+    else:
+        reach = _clearance(domain, corner)
+        factor = Window(corner.point, reach / VANISHED)
+    size = max(math.dist(corner.point, p) for p in _box_corners(domain))
+    return Enriched(CornerFunctions(corner, held, highest(degree), size), factor, reach)
+
+
+def _is_sector(domain: Shape, corner: StraightCorner, radius: float) -> bool:
+    """Whether the domain is the sector of the corner up to a radius, at points of some circles."""
+    theta = (np.arange(96) + 0.5) * (2 * np.pi / 96)
+    for share in (0.25, 0.5, 0.75, 1.0):
+        x, y = (
+            corner.point[i] + share * radius * f(corner.start + theta) for i, f in enumerate((np.cos, np.sin))
+        )
+        if ((np.asarray(domain.sign(x, y)) > 0) != (theta < corner.angle)).any():
+            return False
+    return True
+
+
+def _held(problem: Problem, surface: Surface) -> bool | None:
+    """Whether values are given on a surface; None where there is not one condition on all of it."""
+    found = [c for c in problem.conditions if surface in c.part.surfaces]
+    if len(found) != 1 or found[0].part.where is not None:
+        return None
+    return isinstance(found[0], Dirichlet)
+
+
+def _continues(domain: Shape, corner: StraightCorner) -> bool:
+    """Whether the ray opposite to the corner's bisector, where its functions jump, stays outside the domain."""
+    direction = corner.start + 0.5 * corner.angle + math.pi
+    reach = 2.0 * max(domain.box.size)
+    along = reach * np.geomspace(1e-6, 1.0, 400)
+    x, y = (corner.point[i] + f(direction) * along for i, f in enumerate((np.cos, np.sin)))
+    return not bool((np.asarray(domain.sign(x, y)) > 0).any())
+
+
+def _alone(domain: Shape, corner: StraightCorner, direction: float) -> bool:
+    """Whether no boundary lies on the line of an edge behind the corner, where the functions do not vanish."""
+    size = max(domain.box.size)
+    along = -2.0 * size * np.linspace(0.0, 1.0, 402)[1:]
+    x, y = (corner.point[i] + f(direction) * along for i, f in enumerate((np.cos, np.sin)))
+    touching = np.abs(np.asarray(domain.sign(x, y))) < 1e-10 * size
+    return int(touching.sum()) <= 2  # where the line crosses other boundary
+
+
+def _fading(domain: Shape, others: Part, corner: StraightCorner, degree: int) -> tuple[Field, float]:
+    """Factor that vanishes on the other essential parts."""
+    own = weight(domain, others)
+    at_corner = float(np.asarray(own(*corner.point)))
+    lattice = [np.linspace(a, b, SAMPLES) for a, b in zip(domain.box.lower, domain.box.upper, strict=True)]
+    coords = np.meshgrid(*lattice, indexing="ij")
+    largest = float(np.max(partials(own, coords, 0)[0]))
+    return fading(own, at_corner, largest, 2 if degree < 5 else 3), math.inf
+
+
+def _clearance(domain: Shape, corner: StraightCorner) -> float:
+    """Distance from a corner to the boundary that is not on its two edges."""
+    points = boundary_points(domain, domain.part("all")) - np.array(corner.point)
+    radius = np.hypot(*points.T)
+    theta = (np.arctan2(points[:, 1], points[:, 0]) - corner.start) % (2 * np.pi)
+    on_edges = np.minimum.reduce([np.abs(theta - a) for a in (0.0, corner.angle, 2 * np.pi)]) < 1e-6
+    return CLOSER * float(radius[~on_edges].min(initial=math.inf))
+
+
+def _box_corners(domain: Shape) -> list[tuple[float, float]]:
+    (a, b), (c, d) = domain.box.lower, domain.box.upper
+    return [(a, b), (c, b), (c, d), (a, d)]

@@ -1,0 +1,191 @@
+r"""The space of the functions of all corners: few functions, known in closed form, that live on all of the domain.
+
+Its unknowns stand behind those of the spline.  Pairs of a spline and a corner function, and of two corner functions,
+are summed at points; the table of a batch is made once for both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rfm.calculus.types import Array
+from rfm.errors import DiscretizationError
+from solvers.bases.basis import Mask
+from solvers.corners.enrichment import Enriched
+from solvers.grid import Grid
+from solvers.point_tables import local_indices, node_table, order_of, spline_table
+from solvers.quadrature.batch import PointBatch, TensorBatch
+from solvers.web import SplineSpace
+
+Batch = TensorBatch | PointBatch
+Blocks = Mapping[tuple[int, int], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class CornerSpace:
+    """Functions of corners on the background grid of a domain (:class:`solvers.bases.basis.Space`)."""
+
+    grid: Grid
+    corners: tuple[Enriched, ...]
+    _latest: list[Any] = field(default_factory=list)
+
+    degree = 0
+    """They are no splines."""
+    redundant = False
+    """They come last, and the solver drops those that splines represent (:mod:`solvers.linear.bordered`)."""
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of functions."""
+        return sum(corner.functions.count for corner in self.corners)
+
+    @property
+    def delicate_cells(self) -> Mask:
+        """None: no function lives on a sliver."""
+        return np.zeros(self.grid.shape, dtype=bool)
+
+    @property
+    def constant(self) -> Array:
+        """They are not needed for constants."""
+        return np.zeros(self.n_dofs)
+
+    def affine(self, shift: float, slope: Array) -> Array:
+        """They are not needed for affine functions."""
+        return np.zeros(self.n_dofs)
+
+    def table(self, batch: Batch, order: int) -> Array:
+        """Derivatives of all functions at the nodes of a batch, shape (n_alpha, n, q, n_dofs)."""
+        if self._latest and self._latest[0] is batch and self._latest[1] == order:
+            known: Array = self._latest[2]
+            return known
+        x, y = batch.points(self.grid)
+        with np.errstate(all="ignore"):
+            tables = [corner.table(x.ravel(), y.ravel(), order) for corner in self.corners]
+        joined = tables[0] if len(tables) == 1 else np.concatenate(tables, axis=2)
+        found = joined.reshape(len(joined), *x.shape, -1)
+        self._latest[:] = [batch, order, found]
+        return found
+
+    def assembler(self, symmetric: bool = True) -> CornerAssembler:
+        """Accumulate a form of two corner functions."""
+        return CornerAssembler(self, symmetric)
+
+    def function(self, unknowns: Array) -> CornerField:
+        """The function with the given coefficients."""
+        return CornerField(self, np.asarray(unknowns, dtype=float))
+
+    def load(self, coefficients: Array) -> CornerField:
+        """The function that was stored with these coefficients.
+
+        Raises
+        ------
+        DiscretizationError
+            Their number is wrong.
+        """
+        if coefficients.shape != (self.n_dofs,):
+            raise DiscretizationError(
+                f"coefficients of corner functions have the shape {coefficients.shape}, expected ({self.n_dofs},)"
+            )
+        return self.function(coefficients)
+
+    def intensities(self, unknowns: Array) -> Array:
+        """Coefficient of the leading singular function of each corner."""
+        first = np.cumsum([0, *(c.functions.count for c in self.corners[:-1])])
+        return unknowns[first] * [c.functions.intensity_factor for c in self.corners]
+
+
+@dataclass(frozen=True, eq=False)
+class CornerField:
+    """A sum of corner functions (:class:`solvers.bases.basis.Psi`)."""
+
+    space: CornerSpace
+    coefficients: Array
+
+    @property
+    def grid(self) -> Grid:
+        """Background grid."""
+        return self.space.grid
+
+    @property
+    def degree(self) -> int:
+        """Not a spline's."""
+        return self.space.degree
+
+    def jet(self, batch: Batch, order: int) -> Array:
+        """Partial derivatives up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
+        found: Array = self.space.table(batch, order) @ self.coefficients
+        return found
+
+    def plus(self, constant: float) -> CornerField:
+        """The same: a constant is added to the spline.
+
+        Raises
+        ------
+        DiscretizationError
+            Always: with corner functions a value is prescribed somewhere.
+        """
+        raise DiscretizationError(f"corner functions hold no constant, {constant} cannot be added")
+
+
+class CornerAssembler:
+    """Matrix and load of the corner functions."""
+
+    def __init__(self, space: CornerSpace, symmetric: bool) -> None:
+        self.space, self.symmetric = space, symmetric
+        self._matrix = np.zeros((space.n_dofs, space.n_dofs))
+        self._load = np.zeros(space.n_dofs)
+
+    def add(self, batch: Batch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
+        """Add the integrals over `batch`."""
+        if not len(batch.cells) or not (blocks or loads):
+            return
+        table = self.space.table(batch, order_of([*blocks, *((a, a) for a in loads)], 2))
+        flat = table.reshape(len(table), -1, self.space.n_dofs)
+        for (alpha, beta), values in blocks.items():
+            part = flat[alpha].T @ (values.reshape(-1, 1) * flat[beta])
+            self._matrix += part if alpha == beta or not self.symmetric else part + part.T
+        for alpha, values in loads.items():
+            self._load += values.ravel() @ flat[alpha]
+
+    def finish(self) -> tuple[Any, Array]:
+        """Matrix and load."""
+        return self._matrix, self._load
+
+
+class SplineCornerAssembler:
+    """Matrix between splines (rows) and corner functions (columns)."""
+
+    def __init__(self, rows: SplineSpace, columns: CornerSpace) -> None:
+        self.rows, self.columns = rows, columns
+        self._full = np.zeros((int(np.prod(rows.shape)), columns.n_dofs))
+
+    def add(self, batch: Batch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
+        """Add the integrals over `batch`; there are no loads between two spaces.
+
+        Raises
+        ------
+        ValueError
+            A load is given.
+        """
+        if loads:
+            raise ValueError("a form between two spaces has no load")
+        if not len(batch.cells) or not blocks:
+            return
+        order = order_of(blocks, 2)
+        left, right = spline_table(self.rows, node_table(batch), order), self.columns.table(batch, order)
+        element = sum(
+            np.matmul(
+                left[alpha].swapaxes(1, 2),
+                sum(values[:, :, None] * right[b] for (a, b), values in blocks.items() if a == alpha),
+            )
+            for alpha in {a for a, _ in blocks}
+        )
+        np.add.at(self._full, local_indices(self.rows, np.asarray(batch.cells)), element)
+
+    def finish(self) -> tuple[Any, Array]:
+        """Matrix (n_dofs of the splines, n_dofs of the corner functions), and an empty load."""
+        return np.asarray(self.rows.extension @ self._full), np.zeros(0)

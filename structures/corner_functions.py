@@ -1,0 +1,215 @@
+r"""What the solution of Poisson's equation looks like at a corner between two straight edges.
+
+Polar coordinates as in :mod:`rfm.geometry.singular.straight`, :math:`\zeta = r e^{i\theta}`.  The solution has an
+expansion in (Grisvard, *Elliptic Problems in Nonsmooth Domains*, 1985, chapter 4; Strang and Fix, *An Analysis of the
+Finite Element Method*, 1973, chapter 8)
+
+.. math:: S_k = \operatorname{Im} \zeta^{\lambda_k} = r^{\lambda_k} \sin \lambda_k \theta \ \text{(value given at
+          $\theta = 0$)}, \qquad \operatorname{Re} \zeta^{\lambda_k} = r^{\lambda_k} \cos \lambda_k \theta \ \text{(flux)},
+
+:math:`\lambda_k = k\pi/\omega` where both edges have the same kind of condition and :math:`(k - 1/2)\pi/\omega` otherwise,
+in polynomials, and, where :math:`\lambda_k = m` is a whole number, in
+
+.. math:: L_m = \operatorname{Im}\,(\zeta^m \log \zeta) - \omega \cos(m\omega)\,(y/\sin\omega)^m
+          = r^m (\log r \sin m\theta + \theta \cos m\theta) - \dots
+
+the part of the solution for a source of degree m - 2 that is no polynomial (resonance; at 270 degrees a constant source
+has one).  The last term, y the distance to the first edge, makes it vanish on the second edge too; with a flux on the
+first edge it is the real part, and a power of the coordinate along the second edge that does the same.  Polynomials that
+vanish on the edges with given values are products of the distances to them,
+
+.. math:: \ell_1 \ell_2\, x^i y^j,
+
+and are of no help of their own: but the weight of two edges at a re-entrant corner is their R-disjunction, like r, so
+psi = u/w of the smoothest u has a kink there, and the splines alone would have order two in the gradient.
+
+All functions are zero where values are given on the two edges, to rounding, and their derivatives are known in closed
+form: those of a holomorphic function F(z) are :math:`\partial_x^a \partial_y^b F = i^b F^{(a+b)}`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from math import comb, perm, pi
+
+import numpy as np
+
+from rfm.calculus.jets import multi_indices
+from rfm.calculus.types import Array
+from rfm.geometry.singular.straight import StraightCorner
+
+WHOLE = 1e-9
+"""How near to a whole number an exponent counts as one."""
+NEAREST = 1e-10
+"""Distance to the corner, relative to the reach, below which derivatives are those at this distance."""
+
+
+@dataclass(frozen=True)
+class CornerFunctions:
+    """The functions of one corner up to a degree.
+
+    Attributes
+    ----------
+    corner
+        Where, and between which edges.
+    held
+        Whether values are given on the first and on the second edge.
+    degree
+        Largest exponent.
+    reach
+        Unit of length: with the distance to the farthest point of the domain all powers stay below one.
+    """
+
+    corner: StraightCorner
+    held: tuple[bool, bool]
+    degree: float
+    reach: float
+
+    @cached_property
+    def exponents(self) -> tuple[float, ...]:
+        """The lambda_k that are not whole numbers, ascending; the first belongs to the leading singularity."""
+        return tuple(one for one in self._all_exponents if abs(one - round(one)) > WHOLE)
+
+    @cached_property
+    def resonances(self) -> tuple[int, ...]:
+        """The lambda_k that are whole numbers."""
+        if all(self.held) and abs(math.sin(self.corner.angle)) < WHOLE:  # a slit: all solutions are polynomials
+            return ()
+        return tuple(round(one) for one in self._all_exponents if abs(one - round(one)) <= WHOLE)
+
+    @property
+    def count(self) -> int:
+        """Number of functions."""
+        return len(self.exponents) + self._coefficients.shape[1]
+
+    @property
+    def intensity_factor(self) -> float:
+        """What turns the coefficient of the first function into that of r^lambda_1 sin or cos lambda_1 theta."""
+        return float(self.reach ** -self.exponents[0])
+
+    def table(self, x: Array, y: Array, order: int) -> Array:
+        """Partial derivatives of all functions at points (n,), shape (n_alpha, n, count).
+
+        First those of the exponents, then those of the resonances, then polynomials.  At the corner itself, where
+        derivatives are infinite, they are those at a tiny distance.
+        """
+        angle, start = self.corner.angle, self.corner.start
+        local = ((x - self.corner.point[0]) + 1j * (y - self.corner.point[1])) / self.reach
+        middle = np.exp(1j * (start + 0.5 * angle))
+        turned = local * middle.conjugate()  # the bisector is the real axis: the cut lies opposite, outside
+        radius = np.maximum(np.abs(turned), NEAREST)
+        logarithm = np.log(radius) + 1j * (np.angle(turned) + 0.5 * angle)
+        zeta = np.exp(logarithm)
+        step = np.exp(-1j * start) / self.reach  # dzeta/dx
+        derivatives = [np.empty((len(x), self._analytic), dtype=complex) for _ in range(order + 1)]
+        for column, exponent in enumerate(self.exponents):
+            power = np.exp(exponent * logarithm)
+            for j, target in enumerate(derivatives):
+                target[:, column] = power
+                power = power * ((exponent - j) / zeta) if j < order else power
+        for column, m in enumerate(self.resonances, start=len(self.exponents)):
+            power = zeta**m
+            first, second = 1.0, 0.0  # of zeta^(m-j) log zeta and of zeta^(m-j)
+            for j, target in enumerate(derivatives):
+                target[:, column] = power * (first * logarithm + second)
+                first, second = first * (m - j), second * (m - j) + first
+                power = power / zeta if j < order else power
+        smooth = self._monomials(local * np.exp(-1j * start), order)
+        result = np.zeros((len(multi_indices(2, order)), len(x), self.count))
+        for row, (a, b) in enumerate(multi_indices(2, order)):
+            analytic = derivatives[a + b] * (step ** (a + b) * 1j**b)
+            result[row, :, : self._analytic] = analytic.imag if self.held[0] else analytic.real
+            result[row, :, len(self.exponents) :] += smooth @ self._maps[a, b]
+        return result
+
+    @cached_property
+    def _all_exponents(self) -> tuple[float, ...]:
+        ratio = pi / self.corner.angle
+        shift = 0.0 if self.held[0] == self.held[1] else 0.5
+        found = [(k - shift) * ratio for k in range(1, int(self.degree / ratio + shift) + 1)]
+        return tuple(one for one in found if one <= self.degree + WHOLE)
+
+    @property
+    def _analytic(self) -> int:
+        return len(self.exponents) + len(self.resonances)
+
+    @cached_property
+    def _powers(self) -> list[tuple[int, int]]:
+        """Exponents of the monomials in the frame of the first edge."""
+        top = int(self.degree)
+        return [(i, j) for i in range(top + 1) for j in range(top + 1 - i)]
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        """Polynomials, those of the resonances first, in monomials."""
+        row = {power: k for k, power in enumerate(self._powers)}
+        sine, cosine = math.sin(self.corner.angle), math.cos(self.corner.angle)
+        columns = []
+        for m in self.resonances:
+            column = np.zeros(len(row))
+            if all(self.held):
+                column[row[0, m]] = -self.corner.angle * math.cos(m * self.corner.angle) / sine**m
+            elif self.held[1]:  # minus the value on the second edge, where x cos(omega) + y sin(omega) is r
+                value = -self.corner.angle * math.sin(m * self.corner.angle)
+                for i in range(m + 1):
+                    column[row[i, m - i]] = -value * comb(m, i) * cosine**i * sine ** (m - i)
+            columns.append(column)
+        factor = _vanishing(self.held, sine, cosine)
+        lines = sum(self.held)
+        top = int(self.degree)
+        for i in range(top + 1 - lines if lines else 0):
+            for j in range(top + 1 - lines - i):
+                column = np.zeros(len(row))
+                for (a, b), value in factor.items():
+                    column[row[a + i, b + j]] += value
+                columns.append(column)
+        return np.stack(columns, axis=1) if columns else np.zeros((len(row), 0))
+
+    @cached_property
+    def _maps(self) -> _Maps:
+        """Derivatives of the polynomials, built when they are asked for."""
+        return _Maps(self)
+
+    def _monomials(self, frame: Array, order: int) -> Array:
+        """Values of all monomials at points (n,), shape (n, monomials)."""
+        top = int(self.degree)
+        x, y = frame.real, frame.imag
+        xs, ys = [np.ones_like(x)], [np.ones_like(y)]
+        for _ in range(top):
+            xs.append(xs[-1] * x)
+            ys.append(ys[-1] * y)
+        return np.stack([xs[i] * ys[j] for i, j in self._powers], axis=1)
+
+
+class _Maps(dict[tuple[int, int], Array]):
+    """Coefficients of derivatives of the polynomials, by their orders in x and y."""
+
+    def __init__(self, functions: CornerFunctions) -> None:
+        self._functions = functions
+
+    def __missing__(self, orders: tuple[int, int]) -> Array:
+        f = self._functions
+        c, s = math.cos(f.corner.start), math.sin(f.corner.start)
+        row = {power: k for k, power in enumerate(f._powers)}
+        total = np.zeros_like(f._coefficients)
+        a, b = orders
+        # d/dx = c d1 - s d2 and d/dy = s d1 + c d2 along the axes of the frame
+        for u in range(a + 1):
+            for v in range(b + 1):
+                weight = comb(a, u) * comb(b, v) * c ** (a - u) * (-s) ** u * s ** (b - v) * c**v
+                first, second = a - u + b - v, u + v
+                for (i, j), k in row.items():
+                    if i >= first and j >= second:
+                        factor = weight * perm(i, first) * perm(j, second)
+                        total[row[i - first, j - second]] += factor * f._coefficients[k]
+        self[orders] = total / f.reach ** (a + b)
+        return self[orders]
+
+
+def _vanishing(held: tuple[bool, bool], sine: float, cosine: float) -> dict[tuple[int, int], float]:
+    """Product of the distances to the held edges, in monomials of the frame: y, and x sin(omega) - y cos(omega)."""
+    if all(held):
+        return {(1, 1): sine, (0, 2): -cosine}
+    return {(0, 1): 1.0} if held[0] else {(1, 0): sine, (0, 1): -cosine}
