@@ -72,7 +72,7 @@ class Method(Protocol):
 class Refusal:
     """What does not combine, and why.
 
-    `of` is ``method``, ``degree``, ``linear``, ``basis``, ``conditions``, ``device`` or ``shards``.
+    `of` is ``method``, ``degree``, ``linear``, ``basis``, ``conditions``, ``singular``, ``device`` or ``shards``.
     """
 
     of: str
@@ -123,6 +123,14 @@ def refused(
         return Refusal(
             "conditions", "conditions: exact has no structure across interfaces: use conditions: natural"
         )
+    if discretization.singular == "corners":
+        from solvers.corners.enrichment import unsuitable
+
+        why = unsuitable(method.name, options.device, problem, discretization)
+        if why is not None:
+            return Refusal(
+                "singular", f"singular functions at corners are not available here: {why}; use singular: auto"
+            )
     if options.linear != "auto" and options.linear not in method.linear_solvers(problem):
         return Refusal(
             "linear",

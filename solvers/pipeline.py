@@ -17,6 +17,7 @@ from solvers.block_assembly import BlockAssembler
 from solvers.boundary import boundary_batches, outward
 from solvers.corners.rules import all_rules
 from solvers.corners.setting import settled
+from solvers.corners.space import CornerSpace
 from solvers.data import require_finite
 from solvers.device.backend import NONE
 from solvers.device.processes import telling
@@ -45,6 +46,8 @@ from structures.operator import Operator
 
 CHUNK = 150_000
 """Quadrature points evaluated at a time: keeps the working set of a chunk near 100 MB."""
+TABLE = 1_000_000
+"""Values of corner functions tabulated at a time."""
 
 UNFITTED = (
     "moment fitting was turned off: with negative weights in cut cells the matrix was not positive definite; a finer "
@@ -125,7 +128,10 @@ def _solved(
             fixed = linear.x - kernel.vectors @ excess(pieces, kernel)
             trial = replace(trial, splines=assembler.functions(fixed))
     pieces = pieces_of(problem, trial, background, setting)
-    return Solution(problem, discretization, background, trial, linear, watch.seconds, pieces)
+    found = () if setting.corners is None else setting.corners.intensities(trial.splines[-1].coefficients)
+    return Solution(
+        problem, discretization, background, trial, linear, watch.seconds, pieces, intensities=found
+    )
 
 
 def pieces_of(problem: Problem, trial: Trial, background: Background, setting: Setting) -> tuple[Piece, ...]:
@@ -185,17 +191,18 @@ class Assembly:
         rules, folded = self.background.rules, self.background.folded
         total = len(rules.inner.cells) + len(rules.cut.cells)
         done = 0
-        for batch in rules.inner.chunks(CHUNK):
+        size = chunk_of(self.assembler.spaces)
+        for batch in rules.inner.chunks(size):
             self.add_volume(batch)
             done += len(batch.cells)
             watch.advance(done, total)
         if folded is None:
-            for piece in rules.cut.chunks(CHUNK):
+            for piece in rules.cut.chunks(size):
                 self.add_volume(piece)
         else:
-            for fitted, where in cut_chunks(folded):
+            for fitted, where in cut_chunks(folded, size):
                 rough = self.add_folded(fitted)
-                for piece in rules.cut.take(where.start + np.flatnonzero(rough)).chunks(CHUNK):
+                for piece in rules.cut.take(where.start + np.flatnonzero(rough)).chunks(size):
                     self.add_volume(piece)
                 watch.advance(done + where.stop, total)
         self.add_boundary()
@@ -266,9 +273,15 @@ def delicate(spaces: Sequence[Space]) -> NDArray[np.bool_]:
     return np.asarray(np.logical_or.reduce([space.delicate_cells for space in distinct]))
 
 
-def cut_chunks(folded: TensorBatch) -> Iterator[tuple[TensorBatch, slice]]:
-    """Pieces of the folded rule together with the rows they come from."""
-    step = max(1, CHUNK // folded.weights.shape[1])
+def chunk_of(spaces: Sequence[Space]) -> int:
+    """Points to take at a time: fewer where functions that live on all cells are tabulated at each."""
+    everywhere = sum(space.n_dofs for space in spaces if isinstance(space, CornerSpace))
+    return min(CHUNK, TABLE // everywhere) if everywhere else CHUNK
+
+
+def cut_chunks(folded: TensorBatch, size: int) -> Iterator[tuple[TensorBatch, slice]]:
+    """Pieces of about `size` points of the folded rule together with the rows they come from."""
+    step = max(1, size // folded.weights.shape[1])
     for start in range(0, len(folded.cells), step):
         where = slice(start, min(start + step, len(folded.cells)))
         yield folded.take(where), where

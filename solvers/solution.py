@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -153,6 +153,8 @@ class Solution:
         The materials and their interfaces; one piece where there is one material.
     notes
         What was done otherwise than asked for.
+    intensities
+        Of each corner with singular functions: point, angle in degrees, exponent and intensity of the leading one.
     """
 
     problem: Problem
@@ -163,6 +165,7 @@ class Solution:
     seconds: Mapping[str, float]
     pieces: tuple[Piece, ...]
     notes: tuple[str, ...] = ()
+    intensities: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def dofs(self) -> int:

@@ -4,19 +4,20 @@ Polar coordinates as in :mod:`rfm.geometry.singular.straight`, :math:`\zeta = r 
 expansion in (Grisvard, *Elliptic Problems in Nonsmooth Domains*, 1985, chapter 4; Strang and Fix, *An Analysis of the
 Finite Element Method*, 1973, chapter 8)
 
-.. math:: S_k = \operatorname{Im} \zeta^{\lambda_k} = r^{\lambda_k} \sin \lambda_k \theta \ \text{(value given at
-          $\theta = 0$)}, \qquad \operatorname{Re} \zeta^{\lambda_k} = r^{\lambda_k} \cos \lambda_k \theta \ \text{(flux)},
+.. math:: \operatorname{Im} \zeta^{\lambda_k} = r^{\lambda_k} \sin \lambda_k \theta, \qquad
+          \operatorname{Re} \zeta^{\lambda_k} = r^{\lambda_k} \cos \lambda_k \theta,
 
-:math:`\lambda_k = k\pi/\omega` where both edges have the same kind of condition and :math:`(k - 1/2)\pi/\omega` otherwise,
-in polynomials, and, where :math:`\lambda_k = m` is a whole number, in
+the former where a value is given at :math:`\theta = 0`, the latter where a flux is;
+:math:`\lambda_k = k\pi/\omega` where both edges have the same kind of condition, :math:`(k - 1/2)\pi/\omega`
+otherwise; in polynomials, and, where :math:`\lambda_k = m` is a whole number, in
 
 .. math:: L_m = \operatorname{Im}\,(\zeta^m \log \zeta) - \omega \cos(m\omega)\,(y/\sin\omega)^m
           = r^m (\log r \sin m\theta + \theta \cos m\theta) - \dots
 
-the part of the solution for a source of degree m - 2 that is no polynomial (resonance; at 270 degrees a constant source
-has one).  The last term, y the distance to the first edge, makes it vanish on the second edge too; with a flux on the
-first edge it is the real part, and a power of the coordinate along the second edge that does the same.  Polynomials that
-vanish on the edges with given values are products of the distances to them,
+the part of the solution for a source of degree m - 2 that is no polynomial (resonance; at 270 degrees a constant
+source has one).  The last term, y the distance to the first edge, makes it vanish on the second edge too; with a flux
+on the first edge it is the real part, and a power of the coordinate along the second edge that does the same.
+Polynomials that vanish on the edges with given values are products of the distances to them,
 
 .. math:: \ell_1 \ell_2\, x^i y^j,
 
@@ -32,7 +33,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb, perm, pi
+from math import comb, pi
 
 import numpy as np
 
@@ -75,14 +76,16 @@ class CornerFunctions:
     @cached_property
     def resonances(self) -> tuple[int, ...]:
         """The lambda_k that are whole numbers."""
-        if all(self.held) and abs(math.sin(self.corner.angle)) < WHOLE:  # a slit: all solutions are polynomials
+        if (
+            all(self.held) and abs(math.sin(self.corner.angle)) < WHOLE
+        ):  # a slit: all solutions are polynomials
             return ()
         return tuple(round(one) for one in self._all_exponents if abs(one - round(one)) <= WHOLE)
 
     @property
     def count(self) -> int:
         """Number of functions."""
-        return len(self.exponents) + self._coefficients.shape[1]
+        return len(self.exponents) + int(self._coefficients.shape[1])
 
     @property
     def intensity_factor(self) -> float:
@@ -90,39 +93,62 @@ class CornerFunctions:
         return float(self.reach ** -self.exponents[0])
 
     def table(self, x: Array, y: Array, order: int) -> Array:
-        """Partial derivatives of all functions at points (n,), shape (n_alpha, n, count).
+        """Partial derivatives of all functions at points (n,), shape (n_alpha, count, n).
 
         First those of the exponents, then those of the resonances, then polynomials.  At the corner itself, where
-        derivatives are infinite, they are those at a tiny distance.
+        derivatives are infinite, they are those at a tiny distance; values are zero there.
         """
         angle, start = self.corner.angle, self.corner.start
-        local = ((x - self.corner.point[0]) + 1j * (y - self.corner.point[1])) / self.reach
-        middle = np.exp(1j * (start + 0.5 * angle))
-        turned = local * middle.conjugate()  # the bisector is the real axis: the cut lies opposite, outside
-        radius = np.maximum(np.abs(turned), NEAREST)
+        local = ((x - self.corner.point[0]) + 1j * (y - self.corner.point[1])) * (1.0 / self.reach)
+        turned = local * np.exp(
+            -1j * (start + 0.5 * angle)
+        )  # the bisector is real: the cut lies opposite, outside
+        distance = np.abs(turned)
+        radius = np.maximum(distance, NEAREST)
         logarithm = np.log(radius) + 1j * (np.angle(turned) + 0.5 * angle)
-        zeta = np.exp(logarithm)
+        analytic = self._analytic(logarithm, order)
+        analytic[0][:, distance < NEAREST] = 0.0
+        monomials = self._monomials(local * np.exp(-1j * start))
         step = np.exp(-1j * start) / self.reach  # dzeta/dx
-        derivatives = [np.empty((len(x), self._analytic), dtype=complex) for _ in range(order + 1)]
-        for column, exponent in enumerate(self.exponents):
-            power = np.exp(exponent * logarithm)
-            for j, target in enumerate(derivatives):
-                target[:, column] = power
-                power = power * ((exponent - j) / zeta) if j < order else power
-        for column, m in enumerate(self.resonances, start=len(self.exponents)):
-            power = zeta**m
-            first, second = 1.0, 0.0  # of zeta^(m-j) log zeta and of zeta^(m-j)
-            for j, target in enumerate(derivatives):
-                target[:, column] = power * (first * logarithm + second)
-                first, second = first * (m - j), second * (m - j) + first
-                power = power / zeta if j < order else power
-        smooth = self._monomials(local * np.exp(-1j * start), order)
-        result = np.zeros((len(multi_indices(2, order)), len(x), self.count))
-        for row, (a, b) in enumerate(multi_indices(2, order)):
-            analytic = derivatives[a + b] * (step ** (a + b) * 1j**b)
-            result[row, :, : self._analytic] = analytic.imag if self.held[0] else analytic.real
-            result[row, :, len(self.exponents) :] += smooth @ self._maps[a, b]
+        alphas = multi_indices(2, order)
+        result = np.empty((len(alphas), self.count, len(x)))
+        singular, smooth = len(self.exponents), len(analytic[0])
+        for row, (a, b) in enumerate(alphas):
+            values = analytic[a + b] * (step ** (a + b) * 1j**b)
+            result[row, :smooth] = values.imag if self.held[0] else values.real
+            result[row, smooth:] = 0.0
+            result[row, singular:] += self._derived(a, b) @ monomials
         return result
+
+    def _analytic(self, logarithm: Array, order: int) -> list[Array]:
+        """Powers of zeta, then zeta^m log zeta, and their derivatives, each (number of both, n)."""
+        zeta = np.exp(logarithm)
+        inverse = 1.0 / zeta if order else zeta
+        count = len(self.exponents) + len(self.resonances)
+        found = [np.empty((count, len(zeta)), dtype=complex) for _ in range(order + 1)]
+        unit = np.exp(self._unit * logarithm)
+        power, reached = np.ones_like(zeta), 0
+        for row, exponent in enumerate(self.exponents):
+            for _ in range(round(exponent / self._unit) - reached):
+                power = power * unit
+            reached = round(exponent / self._unit)
+            term = power
+            for j, target in enumerate(found):
+                target[row] = term
+                term = term * ((exponent - j) * inverse) if j < order else term
+        for row, m in enumerate(self.resonances, start=len(self.exponents)):
+            term = zeta**m
+            first, second = 1.0, 0.0  # of zeta^(m-j) log zeta and of zeta^(m-j)
+            for j, target in enumerate(found):
+                target[row] = term * (first * logarithm + second)
+                first, second = first * (m - j), second * (m - j) + first
+                term = term * inverse if j < order else term
+        return found
+
+    @property
+    def _unit(self) -> float:
+        """What all exponents are whole multiples of."""
+        return pi / self.corner.angle * (1.0 if self.held[0] == self.held[1] else 0.5)
 
     @cached_property
     def _all_exponents(self) -> tuple[float, ...]:
@@ -130,10 +156,6 @@ class CornerFunctions:
         shift = 0.0 if self.held[0] == self.held[1] else 0.5
         found = [(k - shift) * ratio for k in range(1, int(self.degree / ratio + shift) + 1)]
         return tuple(one for one in found if one <= self.degree + WHOLE)
-
-    @property
-    def _analytic(self) -> int:
-        return len(self.exponents) + len(self.resonances)
 
     @cached_property
     def _powers(self) -> list[tuple[int, int]]:
@@ -168,44 +190,36 @@ class CornerFunctions:
         return np.stack(columns, axis=1) if columns else np.zeros((len(row), 0))
 
     @cached_property
-    def _maps(self) -> _Maps:
-        """Derivatives of the polynomials, built when they are asked for."""
-        return _Maps(self)
+    def _steps(self) -> tuple[Array, Array]:
+        """Derivatives of monomials along x and y, in monomials."""
+        powers = np.array(self._powers)
+        i, j = powers.T
+        along = [
+            ((i - p)[:, None] == i) & ((j - q)[:, None] == j) for p, q in ((1, 0), (0, 1))
+        ]  # row: monomial, column: its derivative
+        first, second = along[0] * i[:, None], along[1] * j[:, None]
+        c, s = math.cos(self.corner.start) / self.reach, math.sin(self.corner.start) / self.reach
+        return c * first - s * second, s * first + c * second
 
-    def _monomials(self, frame: Array, order: int) -> Array:
-        """Values of all monomials at points (n,), shape (n, monomials)."""
+    def _derived(self, a: int, b: int) -> Array:
+        """Coefficients of the derivatives of order (a, b) of all polynomials, shape (their number, monomials)."""
+        along_x, along_y = self._steps
+        rows = self._coefficients.T
+        for step in (*[along_x] * a, *[along_y] * b):
+            rows = rows @ step
+        return rows
+
+    def _monomials(self, frame: Array) -> Array:
+        """Values of all monomials at points (n,), shape (monomials, n)."""
         top = int(self.degree)
-        x, y = frame.real, frame.imag
-        xs, ys = [np.ones_like(x)], [np.ones_like(y)]
+        xs, ys = [np.ones_like(frame.real)], [np.ones_like(frame.real)]
         for _ in range(top):
-            xs.append(xs[-1] * x)
-            ys.append(ys[-1] * y)
-        return np.stack([xs[i] * ys[j] for i, j in self._powers], axis=1)
-
-
-class _Maps(dict[tuple[int, int], Array]):
-    """Coefficients of derivatives of the polynomials, by their orders in x and y."""
-
-    def __init__(self, functions: CornerFunctions) -> None:
-        self._functions = functions
-
-    def __missing__(self, orders: tuple[int, int]) -> Array:
-        f = self._functions
-        c, s = math.cos(f.corner.start), math.sin(f.corner.start)
-        row = {power: k for k, power in enumerate(f._powers)}
-        total = np.zeros_like(f._coefficients)
-        a, b = orders
-        # d/dx = c d1 - s d2 and d/dy = s d1 + c d2 along the axes of the frame
-        for u in range(a + 1):
-            for v in range(b + 1):
-                weight = comb(a, u) * comb(b, v) * c ** (a - u) * (-s) ** u * s ** (b - v) * c**v
-                first, second = a - u + b - v, u + v
-                for (i, j), k in row.items():
-                    if i >= first and j >= second:
-                        factor = weight * perm(i, first) * perm(j, second)
-                        total[row[i - first, j - second]] += factor * f._coefficients[k]
-        self[orders] = total / f.reach ** (a + b)
-        return self[orders]
+            xs.append(xs[-1] * frame.real)
+            ys.append(ys[-1] * frame.imag)
+        found = np.empty((len(self._powers), len(frame)))
+        for row, (i, j) in enumerate(self._powers):
+            np.multiply(xs[i], ys[j], out=found[row])
+        return found
 
 
 def _vanishing(held: tuple[bool, bool], sine: float, cosine: float) -> dict[tuple[int, int], float]:

@@ -4,8 +4,8 @@ Let B be a weight of the other essential parts of the boundary and t = B/B(corne
 
 .. math:: \varphi = 1 - (1 - s)^m, \qquad s = \frac{t}{1 + \kappa (t - 1)}
 
-vanishes with B and is :math:`1 + O(\varrho^m)` at a distance rho from the corner; kappa keeps s below 2 where t is large.
-It varies on the scale of the domain, so splines on few cells make up for it.
+vanishes with B and is :math:`1 + O(\varrho^m)` at a distance rho from the corner; kappa keeps s below 2 where t is
+large.  It varies on the scale of the domain, so splines on few cells make up for it.
 
 Where the functions of a corner cannot be continued through the whole domain (round a hole they come back with another
 value) the factor is a window of the length l,

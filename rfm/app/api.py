@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -112,6 +112,7 @@ def load(path: str | Path) -> Run:
     """
     from rfm.app import storage
     from solvers.bases.registry import basis
+    from solvers.corners.setting import corner_space, settled
     from solvers.grid import Grid
     from solvers.materials import stored_trial
 
@@ -121,8 +122,17 @@ def load(path: str | Path) -> Run:
     discretization = build_discretization(case, problem.domain)
     grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
     family = basis(stored.basis)
+    discretization = settled(discretization, case.solver.method, case.solver.device, problem)
+    corners = corner_space(problem, discretization, grid) if stored.more else None
+    if corners is None:
+        discretization = replace(discretization, singular="none")
     splines = (
         family.load(grid, stored.degree, stored.coefficients),
-        *(family.load(grid, other.degree, other.coefficients) for other in stored.more),
+        *(
+            family.load(grid, other.degree, other.coefficients)
+            if corners is None
+            else corners.load(other.coefficients)
+            for other in stored.more
+        ),
     )
     return Run(case, stored_trial(problem, discretization, grid, splines), stored.summary)

@@ -97,6 +97,7 @@ def build_discretization(case: Case, domain: Shape) -> Discretization:
         quadrature_points=given.quadrature_points,
         moment_fitting=given.moment_fitting,
         conditions=case.solver.conditions,
+        singular=given.singular,
     )
 
 

@@ -39,6 +39,7 @@ SUMMARY_KEYS = (
     "linear",
     "integrals",
     "probes",
+    "corners",
     "seconds",
     "peak_memory_mb",
 )

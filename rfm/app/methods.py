@@ -20,6 +20,7 @@ PLACES: dict[str, Path] = {
     "conditions": ("solver", "conditions"),
     "device": ("solver", "device"),
     "shards": ("solver", "shards"),
+    "singular": ("discretization", "singular"),
 }
 """Keys of what can fail to combine."""
 

@@ -1,14 +1,14 @@
 r"""Quadrature at a corner with singular functions.
 
-With the corner as origin a convex polygon is the sum of the signed triangles between the origin and its sides (a, b); on
-one of them, with Duffy's coordinates,
+With the corner as origin a convex polygon is the sum of the signed triangles between the origin and its sides (a, b);
+on one of them, with Duffy's coordinates,
 
 .. math:: x = t^\beta (a + v (b - a)), \qquad dx = (a \times b)\, \beta\, t^{2\beta - 1}\, dt\, dv .
 
 Products of first derivatives of the functions :math:`r^{\lambda_j}, r^{\lambda_k}` of the corner are
-:math:`r^{\lambda_j + \lambda_k - 2}` times a smooth function of v; with :math:`\beta = 2\omega/\pi` that is a whole power
-of t, :math:`t^{2(j+k) - 1}`, which Gauss' rule integrates to rounding.  Splines and weights are smooth on the two halves of
-the corner's sector: they have whole powers of r.
+:math:`r^{\lambda_j + \lambda_k - 2}` times a smooth function of v; with :math:`\beta = 2\omega/\pi` that is a whole
+power of t, :math:`t^{2(j+k) - 1}`, which Gauss' rule integrates to rounding.  Splines and weights are smooth on the two
+halves of the corner's sector: they have whole powers of r.
 
 Nodes of signed triangles lie in the sector but perhaps beyond their cell, some weights are negative: all that is
 integrated is the cell's polynomial piece and functions of the corner, which are defined there.
@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from solvers.quadrature.batch import PointRule
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.tensor import inner_rule
 
-CORE = 0.75
+CORE = 0.5
 """Cells nearer than this, in cells, are integrated with the corner as origin."""
 RING = 2.0
 """Cells nearer than this get more Gauss points."""
@@ -47,7 +48,9 @@ def gaps(grid: Grid, cells: Integers, point: Sequence[float]) -> Array:
     """Distance of cells (n, 2) to a point, in cells, shape (n,)."""
     lower = grid.lower + grid.spacing * cells
     here = np.asarray(point)
-    found: Array = (np.maximum(np.maximum(lower - here, here - lower - grid.spacing), 0.0) / grid.spacing).max(axis=1)
+    found: Array = (
+        np.maximum(np.maximum(lower - here, here - lower - grid.spacing), 0.0) / grid.spacing
+    ).max(axis=1)
     return found
 
 
@@ -111,7 +114,7 @@ def fan(grid: Grid, cells: Integers, corner: StraightCorner, degree: int) -> Poi
     rows, nodes, values = [], [], []
     for row, cell in enumerate(cells):
         lower = grid.lower + grid.spacing * cell
-        for first, second in zip(directions[:-1], directions[1:], strict=True):
+        for first, second in pairwise(directions):
             polygon = clipped(clipped(_box(lower - origin, grid.spacing), left(first)), -left(second))
             for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
                 area = float(a[0] * b[1] - a[1] * b[0])
@@ -128,12 +131,13 @@ def fan(grid: Grid, cells: Integers, corner: StraightCorner, degree: int) -> Poi
 
 def _box(lower: Array, width: Array) -> Array:
     """Vertices of a cell, counter-clockwise."""
-    return lower + width * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    box: Array = lower + width * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    return box
 
 
 def left(direction: Array) -> Array:
     """Normal to the left of a direction."""
-    return np.array([-direction[1], direction[0]])
+    return np.asarray([-direction[1], direction[0]], dtype=float)
 
 
 def clipped(polygon: Array, normal: Array) -> Array:
@@ -160,4 +164,3 @@ def joined(rules: Sequence[PointRule]) -> PointRule:
         np.concatenate([rule.nodes for rule in rules]),
         np.concatenate([rule.weights for rule in rules]),
     )
-

@@ -58,15 +58,15 @@ class CornerSpace:
         return np.zeros(self.n_dofs)
 
     def table(self, batch: Batch, order: int) -> Array:
-        """Derivatives of all functions at the nodes of a batch, shape (n_alpha, n, q, n_dofs)."""
+        """Derivatives of all functions at the nodes of a batch, shape (n_alpha, n_dofs, n, q)."""
         if self._latest and self._latest[0] is batch and self._latest[1] == order:
             known: Array = self._latest[2]
             return known
         x, y = batch.points(self.grid)
         with np.errstate(all="ignore"):
             tables = [corner.table(x.ravel(), y.ravel(), order) for corner in self.corners]
-        joined = tables[0] if len(tables) == 1 else np.concatenate(tables, axis=2)
-        found = joined.reshape(len(joined), *x.shape, -1)
+        joined = tables[0] if len(tables) == 1 else np.concatenate(tables, axis=1)
+        found = joined.reshape(*joined.shape[:2], *x.shape)
         self._latest[:] = [batch, order, found]
         return found
 
@@ -92,10 +92,18 @@ class CornerSpace:
             )
         return self.function(coefficients)
 
-    def intensities(self, unknowns: Array) -> Array:
-        """Coefficient of the leading singular function of each corner."""
+    def intensities(self, unknowns: Array) -> tuple[dict[str, Any], ...]:
+        """Point, angle in degrees, exponent and intensity of the leading singular function of each corner."""
         first = np.cumsum([0, *(c.functions.count for c in self.corners[:-1])])
-        return unknowns[first] * [c.functions.intensity_factor for c in self.corners]
+        return tuple(
+            {
+                "point": list(c.corner.point),
+                "angle": float(np.degrees(c.corner.angle)),
+                "exponent": c.functions.exponents[0],
+                "intensity": float(unknowns[k]) * c.functions.intensity_factor,
+            }
+            for k, c in zip(first, self.corners, strict=True)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +125,7 @@ class CornerField:
 
     def jet(self, batch: Batch, order: int) -> Array:
         """Partial derivatives up to `order` at the nodes of `batch`, shape (n_alpha, n, q)."""
-        found: Array = self.space.table(batch, order) @ self.coefficients
+        found: Array = np.einsum("aknq,k->anq", self.space.table(batch, order), self.coefficients)
         return found
 
     def plus(self, constant: float) -> CornerField:
@@ -144,12 +152,12 @@ class CornerAssembler:
         if not len(batch.cells) or not (blocks or loads):
             return
         table = self.space.table(batch, order_of([*blocks, *((a, a) for a in loads)], 2))
-        flat = table.reshape(len(table), -1, self.space.n_dofs)
+        flat = table.reshape(*table.shape[:2], -1)
         for (alpha, beta), values in blocks.items():
-            part = flat[alpha].T @ (values.reshape(-1, 1) * flat[beta])
+            part = flat[alpha] @ (values.ravel() * flat[beta]).T
             self._matrix += part if alpha == beta or not self.symmetric else part + part.T
         for alpha, values in loads.items():
-            self._load += values.ravel() @ flat[alpha]
+            self._load += flat[alpha] @ values.ravel()
 
     def finish(self) -> tuple[Any, Array]:
         """Matrix and load."""
@@ -161,7 +169,7 @@ class SplineCornerAssembler:
 
     def __init__(self, rows: SplineSpace, columns: CornerSpace) -> None:
         self.rows, self.columns = rows, columns
-        self._full = np.zeros((int(np.prod(rows.shape)), columns.n_dofs))
+        self._full = np.zeros((columns.n_dofs, int(np.prod(rows.shape))))
 
     def add(self, batch: Batch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
         """Add the integrals over `batch`; there are no loads between two spaces.
@@ -177,15 +185,21 @@ class SplineCornerAssembler:
             return
         order = order_of(blocks, 2)
         left, right = spline_table(self.rows, node_table(batch), order), self.columns.table(batch, order)
-        element = sum(
-            np.matmul(
-                left[alpha].swapaxes(1, 2),
-                sum(values[:, :, None] * right[b] for (a, b), values in blocks.items() if a == alpha),
+        element = np.zeros(())
+        for alpha in {a for a, _ in blocks}:
+            image = sum(values * right[b] for (a, b), values in blocks.items() if a == alpha)
+            # (k, n, q) times (q, splines), the same for all cells of a tensor rule
+            element = element + (
+                image @ left[alpha][0]
+                if len(left[alpha]) == 1
+                else np.matmul(image.swapaxes(0, 1), left[alpha]).swapaxes(0, 1)
             )
-            for alpha in {a for a, _ in blocks}
-        )
-        np.add.at(self._full, local_indices(self.rows, np.asarray(batch.cells)), element)
+        index = local_indices(self.rows, np.asarray(batch.cells))
+        for local, where in enumerate(
+            index.T
+        ):  # a spline is the same one in different cells, not in one place of them
+            self._full[:, where] += element[:, :, local]
 
     def finish(self) -> tuple[Any, Array]:
         """Matrix (n_dofs of the splines, n_dofs of the corner functions), and an empty load."""
-        return np.asarray(self.rows.extension @ self._full), np.zeros(0)
+        return np.asarray(self.rows.extension @ self._full.T), np.zeros(0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
@@ -36,6 +36,7 @@ METHODS = ("ritz", "least-squares", "galerkin", "collocation")
 LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "multigrid", "amg", "qr", "gmres")
 DEVICES = ("none", "cpu", "gpu")
 CONDITIONS = ("natural", "exact")
+SINGULAR = ("auto", "none", "corners")
 DEFAULT_GRID = 32
 
 
@@ -79,8 +80,6 @@ Degree = Annotated[
 class Discretization(Strict):
     """The basis of the unknown on a uniform grid of cells."""
 
-    refused: ClassVar[dict[str, str]] = {"singular": "singular functions are not available; remove the key"}
-
     basis: choice(*BASES) = Field(default="web-spline", description="basis of the unknown")  # type: ignore[valid-type]
     degree: Degree = Field(default=3, description="degree, as the basis counts it")
     grid: integer(1, 100_000) | None = Field(  # type: ignore[valid-type]
@@ -93,6 +92,10 @@ class Discretization(Strict):
         default=None, description="Gauss points a direction in cut cells; degree + 3 by default"
     )
     moment_fitting: Truth = Field(default=True, description="fold cut cells into tensor rules")
+    singular: choice(*SINGULAR) = Field(  # type: ignore[valid-type]
+        default="auto",
+        description="singular functions at re-entrant corners: where possible, none, or refuse where impossible",
+    )
 
     @model_validator(mode="after")
     def _one_size(self, info: ValidationInfo) -> Discretization:

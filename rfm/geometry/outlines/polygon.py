@@ -4,9 +4,9 @@ With E(r) the expression of a ring (``chains``), a ring with the rings directly 
 ``E(r) & ~S(h1) & ~S(h2) ...``, and S(h) of each of them is formed in the same way: a ring in a hole is an
 island again (the even-odd rule).
 
-E(r) of the outer ring is an intersection of the half-planes that hold all of it, and of what the other edges leave: an
-edge of a pocket whose line supports the ring (y = -1 of an L) would otherwise be joined with the pocket by R-operations,
-and every weight would have a kink at its convex corner.
+E(r) of the outer ring is an intersection of the half-planes that hold all of it, and of what the other edges leave:
+an edge of a pocket whose line supports the ring (y = -1 of an L) would otherwise be joined with the pocket by
+R-operations, and every weight would have a kink at its convex corner.
 """
 
 from __future__ import annotations

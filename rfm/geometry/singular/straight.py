@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array
 from rfm.geometry.expression import Disjunction, Expression, Node
-from rfm.geometry.logic import Logic
+from rfm.geometry.logic import Logic, Signs
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
 
@@ -88,6 +89,19 @@ def straight_corners(shape: Shape) -> tuple[StraightCorner, ...]:
     return tuple(sorted((c for c in found if c is not None), key=lambda c: c.point))
 
 
+def landmarks(shape: Shape) -> Array:
+    """Points (n, 2) of the boundary where two of its lines cross, in the box of a shape."""
+    lines = [surface for surface in shape.surfaces if surface.degree == 1]
+    points, _ = _crossings(lines, shape, max(shape.box.size))
+    return points[on_boundary(shape, points)]
+
+
+def on_boundary(shape: Shape, points: Array) -> NDArray[np.bool_]:
+    """Which of the points (n, 2), known to lie on surfaces, lie on the boundary."""
+    values = np.broadcast_to(np.asarray(shape.sign(*points.T), dtype=float), len(points))
+    return np.asarray(np.abs(values) <= 1e-10 * max(shape.box.size))
+
+
 def _has_union(expression: Expression) -> bool:
     return isinstance(expression, Node) and (
         isinstance(expression, Disjunction) or any(_has_union(term) for term in expression.terms)
@@ -112,7 +126,7 @@ def _crossings(lines: list[Surface], shape: Shape, size: float) -> tuple[Array, 
     return np.array(points).reshape(-1, 2), pairs
 
 
-def _corner(logic: Logic, signs: Array, point: Array, pair: list[int]) -> StraightCorner | None:
+def _corner(logic: Logic, signs: Signs, point: Array, pair: list[int]) -> StraightCorner | None:
     """The re-entrant corner at a point where two lines cross; None where three of the four sectors do not belong."""
     gradients = np.stack([partials(logic.surfaces[i].function, tuple(point), 1)[1:] for i in pair])
     along = np.arctan2(-gradients[:, 0], gradients[:, 1])
@@ -130,7 +144,7 @@ def _corner(logic: Logic, signs: Array, point: Array, pair: list[int]) -> Straig
     gap = int(outside[0])
     after = (gap + 1) % 4
     return StraightCorner(
-        (float(point[0]), float(point[1])),
+        (float(point[0]) + 0.0, float(point[1]) + 0.0),  # no -0
         float(rays[after]),
         float(2 * np.pi - widths[gap]),
         logic.surfaces[owners[after]],

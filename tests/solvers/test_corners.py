@@ -1,0 +1,203 @@
+"""Singular functions at corners: errors and orders, exact conditions, quadrature, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rfm.calculus import functions as fn
+from rfm.errors import DiscretizationError
+from rfm.geometry import disk, polygon, rectangle
+from rfm.geometry.singular.straight import straight_corners
+from solvers import pipeline, ritz
+from solvers.corners.rules import fan
+from solvers.equations.poisson import Poisson
+from solvers.grid import Grid
+from solvers.least_squares import LeastSquares
+from solvers.measures import measure
+from solvers.norms import all_boundary_errors, error_norms
+from solvers.problem import Dirichlet, Discretization, Neumann, Problem, SolverOptions
+
+L_SHAPE = ((0, 0), (1, 0), (1, 1), (-1, 1), (-1, -1), (0, -1))
+
+
+def sector(vertices, held=(True, True), coefficients=(1.0, -0.6, 0.2, 0.3)):
+    """A harmonic function of several exponents at the corner (0, 0) of a polygon in [-1, 1]^2, with given data.
+
+    Edges of the corner: the first and the last.  The data of the square's sides are extended smoothly to zero there.
+    """
+    domain = polygon(vertices)
+    (corner,) = straight_corners(domain)
+    start, angle = corner.start, corner.angle
+    shift = 0.0 if held[0] == held[1] else 0.5
+    c, s = float(np.cos(start + 0.5 * angle)), float(np.sin(start + 0.5 * angle))
+
+    def exact(x, y):
+        u, v = c * x + s * y, c * y - s * x
+        theta, r = fn.atan2(v, u) + 0.5 * angle, fn.sqrt(x * x + y * y)
+        total = 0.0
+        for k, a in enumerate(coefficients, start=1):
+            power = (k - shift) * np.pi / angle
+            wave = fn.sin(power * theta) if held[0] else fn.cos(power * theta)
+            total = total + a * r**power * wave
+        return total
+
+    def data(x, y):
+        inner = (1 - x * x) * (1 - y * y)
+        return exact(x, y) * (1 - inner) ** 3 * fn.exp(inner * (0.7 * x - 0.4 * y))
+
+    own = [
+        domain.part(f"edge{0 if surface is corner.first else len(vertices) - 1}")
+        for surface in (corner.first, corner.second)
+    ]
+    free = [part for part, yes in zip(own, held, strict=True) if not yes]
+    rest = domain.part("all")
+    for part in free:
+        rest = rest - part
+    conditions = (Dirichlet(rest, data), *(Neumann(part, 0.0) for part in free))
+    return Problem(domain, Poisson(), conditions, exact), corner
+
+
+def error(problem, degree, grid, **options):
+    solution = ritz.solve(problem, Discretization(degree=degree, grid=grid, **options))
+    (piece,) = solution.pieces
+    return error_norms(piece.trial, problem.exact, piece.background).l2, solution
+
+
+@pytest.mark.parametrize(("degree", "grids"), [(2, (24, 32)), (3, (24, 32)), (4, (18, 24))])
+def test_orders_on_the_l_shape(degree, grids):
+    problem, _ = sector(L_SHAPE)
+    errors = [error(problem, degree, n)[0] for n in grids]
+    order = np.log(errors[0] / errors[1]) / np.log(4 / 3)
+    assert order == pytest.approx(degree + 1, abs=0.2), errors
+    assert errors[1] < 5e-2 * error(problem, degree, grids[1], singular="none")[0]
+
+
+@pytest.mark.parametrize(
+    ("vertices", "held", "limit"),
+    [
+        (L_SHAPE, (True, True), 8e-6),
+        (L_SHAPE, (True, False), 8e-6),
+        (L_SHAPE, (False, True), 8e-6),
+        (L_SHAPE, (False, False), 8e-6),
+        (((0, 0), (1, 0.5), (1, 1), (-1, 1), (-1, -1), (1, -1), (1, -0.5)), (True, True), 2e-5),
+        (((0, 0), (1, 0.1), (1, 1), (-1, 1), (-1, -1), (1, -1), (1, -0.1)), (True, True), 1e-4),
+        (((0, 0), (1, 1), (-1, 1), (-1, -1), (1, -1), (1, -0.5)), (True, False), 2e-5),
+    ],
+)
+def test_corners_of_other_angles_and_conditions(vertices, held, limit):
+    problem, corner = sector(vertices, held)
+    found, solution = error(problem, 5, 10)
+    assert found < limit
+    assert found < 2e-2 * error(problem, 5, 10, singular="none")[0]
+    (leading,) = solution.intensities
+    assert leading["intensity"] == pytest.approx(1.0, abs=5e-3)
+    assert leading["angle"] == pytest.approx(np.degrees(corner.angle))
+    conditions = problem.conditions
+    assert all_boundary_errors(solution.pieces)[conditions[0].part.name] < 1e-12
+
+
+def test_values_are_exact_on_all_of_the_boundary():
+    problem, _ = sector(L_SHAPE)
+    _, solution = error(problem, 3, 8)
+    t = np.linspace(0, 1, 41)[:, None]
+    for a, b in zip(np.array(L_SHAPE), np.roll(L_SHAPE, -1, axis=0), strict=True):
+        points = (1 - t) * a + t * b
+        assert np.abs(solution.u(points) - problem.exact(*points.T)).max() < 1e-12
+
+
+def test_a_source_needs_the_logarithms():
+    # the integral of u is 0.2140758027: NGSolve, degree 12, 14 levels of geometric refinement towards all corners
+    domain = polygon(L_SHAPE)
+    problem = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all")),))
+    found = [
+        -2 * measure(ritz.solve(problem, Discretization(degree=4, grid=12, singular=s)).pieces).energy
+        for s in ("auto", "none")
+    ]
+    assert found[0] == pytest.approx(0.2140758027, abs=3e-8)
+    assert abs(found[1] - 0.2140758) > 1e-4
+
+
+def test_the_corners_of_a_hole_have_windows():
+    # intensity of all four corners with degree 6 and 48 cells: 0.16595
+    domain = rectangle(min=(-1, -1), max=(1, 1)) - rectangle(min=(-0.5, -0.5), max=(0.5, 0.5))
+    problem = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all")),))
+    solution = ritz.solve(problem, Discretization(degree=5, grid=24))
+    assert [one["intensity"] for one in solution.intensities] == pytest.approx([0.16595] * 4, rel=0.05)
+    assert max(all_boundary_errors(solution.pieces).values()) < 1e-12
+    middle = np.array([[-0.7, -0.7]])
+    plain = ritz.solve(problem, Discretization(degree=5, grid=24, singular="none"))
+    fine = ritz.solve(problem, Discretization(degree=4, grid=48))
+    assert abs(solution.u(middle) - fine.u(middle)) < 0.1 * abs(plain.u(middle) - fine.u(middle))
+
+
+@pytest.mark.parametrize("cells", [(4, 4), (5, 5), (5, 4)])
+def test_the_fan_integrates_singular_products(cells):
+    # over the L-shaped middle of [-1, 1]^2: areas, and r^(-2/3), against a fine subdivision in closed form
+    corner = straight_corners(polygon(L_SHAPE))[0]
+    counts = np.array(cells)
+    grid = Grid(np.array([-1.0, -1.0]), 2.0 / counts, counts)
+    rule = fan(grid, np.argwhere(np.ones(cells)), corner, 4)
+    x, y = rule.points(grid)
+    assert rule.weights.sum() == pytest.approx(3.0, rel=1e-12)
+    power = float(np.sum(rule.weights * (x * x + y * y) ** (-1 / 3)))
+    t, w = np.polynomial.legendre.leggauss(40)
+    angle = np.pi / 8 * (t + 1)
+    expected = 6 * np.sum(np.pi / 8 * w * (1 / np.cos(angle)) ** (4 / 3)) * 3 / 4
+    assert power == pytest.approx(expected, rel=1e-10)
+
+
+def test_nothing_changes_without_reentrant_corners():
+    for domain in (
+        rectangle(min=(0, 0), max=(1, 1)),
+        disk(center=(0, 0), radius=1) - disk(center=(0, 0), radius=0.4),
+    ):
+        problem = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all")),))
+        one, other = (
+            ritz.solve(problem, Discretization(degree=3, grid=8, singular=s)).linear.x
+            for s in ("auto", "none")
+        )
+        assert (one == other).all()
+
+
+def test_other_methods_leave_corners_as_they_are():
+    problem, _ = sector(L_SHAPE)
+    solution = pipeline.solve(problem, Discretization(degree=3, grid=8), LeastSquares())
+    assert solution.intensities == ()
+    assert len(solution.trial.splines) == 1
+
+
+def test_refusals():
+    problem, _ = sector(L_SHAPE)
+    asked = Discretization(degree=3, grid=8, singular="corners")
+    with pytest.raises(
+        DiscretizationError,
+        match=r"^singular functions at corners are not available here: "
+        r"the method must be ritz without a device; use singular: auto$",
+    ):
+        pipeline.solve(problem, asked, LeastSquares())
+    with pytest.raises(
+        DiscretizationError,
+        match=r"the equation must be poisson with a constant conductivity and no advection",
+    ):
+        ritz.solve(replace(problem, equation=Poisson(conductivity=lambda x, y: 1 + x * x)), asked)
+    domain = rectangle(min=(0, 0), max=(1, 1))
+    convex = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all")),))
+    with pytest.raises(
+        DiscretizationError,
+        match=r"^singular must be auto or none here: the domain has no corner above 180 degrees",
+    ):
+        ritz.solve(convex, asked)
+    with pytest.raises(DiscretizationError, match="a value must be prescribed somewhere"):
+        ritz.solve(
+            Problem(problem.domain, Poisson(reaction=1.0), (Neumann(problem.domain.part("all")),)), asked
+        )
+
+
+@pytest.mark.parametrize("linear", ["dense", "superlu", "cg"])
+def test_every_linear_solver_serves_the_splines(linear):
+    problem, _ = sector(L_SHAPE)
+    expected = error(problem, 3, 8)[0]
+    solution = ritz.solve(problem, Discretization(degree=3, grid=8), SolverOptions(linear=linear))
+    (piece,) = solution.pieces
+    assert error_norms(piece.trial, problem.exact, piece.background).l2 == pytest.approx(expected, rel=1e-3)
