@@ -71,7 +71,7 @@ def summarise(case: Case, solution: Solution) -> dict[str, Any]:
         },
         "probes": probes(case, solution),
         "integrals": integrals(case, solution),
-        "corners": solution.intensities,
+        "corners": [dict(one) for one in solution.intensities],
         "seconds": seconds,
         "peak_memory_mb": round(peak_memory_mb(), 1),
     }

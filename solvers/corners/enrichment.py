@@ -139,7 +139,7 @@ def enriched_corners(problem: Problem, discretization: Discretization, grid: Gri
     if discretization.singular == CORNERS and not found:
         raise DiscretizationError(
             "singular must be auto or none here: the domain has no corner above 180 degrees between two straight "
-            "edges, each with one condition on all of it and more than two cells long"
+            "edges, each with one condition on all of it, and no other boundary within a cell and a half"
         )
     return tuple(found)
 
