@@ -92,7 +92,7 @@ SCHEMA = [
     ("rfm: 1\n", "rfm: 2\n", "1:6", "schema version 1, got 2"),
     ("rfm: 1\n", "", "1:1", "the key 'rfm' is missing"),
     ("discretization: {", "discretization: {singular: all, ", "12:28", "discretization.singular: unknown name 'all'"),
-    ("degree: 2", "degree: 2, singular: corners", "12:39", "singular: must be auto or none here: the domain has no corner"),
+    ("degree: 2", "degree: 2, singular: corners", "12:39", "singular: must be auto or none here: the domain has"),
     ("degree: 2", "degree: 2, solver: {}", "12:29", "unknown key 'solver'"),
     # wrong types and values
     ("radius: R", "radius: -1", "6:48", "geometry.shapes.outer.disk.radius: must be positive, got -1"),
