@@ -31,6 +31,7 @@ from solvers.background import Background
 from solvers.collar import rows_of
 from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointRule
+from solvers.quadrature.lines import LineRule
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.tensor import inner_rule
 
@@ -154,7 +155,7 @@ def clipped(polygon: Array, normal: Array) -> Array:
     return np.array(found).reshape(-1, 2)
 
 
-def joined(rules: Sequence[PointRule]) -> PointRule:
+def joined(rules: Sequence[LineRule | PointRule]) -> PointRule:
     """One rule of several on different cells."""
     counts = np.concatenate([rule.counts for rule in rules])
     cells = np.concatenate([rule.cells for rule in rules])
