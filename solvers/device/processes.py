@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -54,6 +56,7 @@ def join(
         meet(coordinator, count, index, patience)
     import jax
 
+    _keep_standard_output()
     config: Any = jax.config
     config.update("jax_cpu_collectives_implementation", "gloo")
     try:
@@ -62,6 +65,16 @@ def join(
         advice = " (auto needs Slurm or Open MPI; otherwise give HOST:PORT)" if coordinator == AUTO else ""
         raise RfmError(f"the processes cannot be joined: {error}{advice}") from error
     return jax.process_index()
+
+
+def _keep_standard_output() -> None:
+    """Give standard output to Python alone: the processors' collectives report their connections there."""
+    if sys.stdout is not sys.__stdout__ or sys.stdout.fileno() != 1:
+        return
+    sys.stdout.flush()
+    own = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(own, "w", buffering=1, encoding=sys.stdout.encoding)
 
 
 def team_of(kind: str) -> Team:

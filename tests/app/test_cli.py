@@ -1,9 +1,12 @@
 """The command: what it prints where, its exit codes, its speed to answer."""
 
 import json
+import os
+import socket
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -202,6 +205,60 @@ def test_wrong_command_line():
     assert invoke("run").exit_code == 2
     assert invoke("solve", "annulus.yaml").exit_code == 2
     assert invoke("run", "annulus.yaml", "--fast").exit_code == 2
+
+
+TOGETHER = [
+    ("none", ("--process", "0"), "--processes and --process need --coordinator HOST:PORT"),
+    (
+        "none",
+        ("--coordinator", "localhost:80"),
+        "several processes solve together on devices only: choose cpu or gpu",
+    ),
+    ("cpu", ("--coordinator", "localhost:80"), "--coordinator localhost:80 needs --processes and --process"),
+    (
+        "cpu",
+        ("--coordinator", "here", "--processes", "2", "--process", "1"),
+        "must be HOST:PORT, the same for all",
+    ),
+]
+
+
+@pytest.mark.parametrize(("device", "options", "words"), TOGETHER)
+def test_processes_that_cannot_solve_together(folder, device, options, words):
+    result = invoke("run", "annulus.yaml", "--set", f"solver.device={device}", *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert [path.name for path in folder.iterdir()] == ["annulus.yaml"]
+
+
+@pytest.mark.slow
+def test_two_processes_run_a_case(folder):
+    """Process 0 writes; standard output is its summary alone, although the collectives report there."""
+    with socket.socket() as trial:
+        trial.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{trial.getsockname()[1]}"
+    command = [sys.executable, "-c", "from rfm.app.cli import main; main()", "run", "annulus.yaml", "--json"]
+    command += ["--set", "solver.device=cpu", "--coordinator", address, "--processes", "2", "--process"]
+    path = os.pathsep.join(sys.path)
+    processes = [
+        subprocess.Popen(
+            [*command, str(k)], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path}
+        )
+        for k in range(2)
+    ]
+    try:
+        outputs = [process.communicate(timeout=240)[0] for process in processes]
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    assert [process.returncode for process in processes] == [0, 0]
+    summary = json.loads(outputs[0])
+    assert summary["status"] == "done"
+    assert summary["linear"]["reason"].endswith("device: cpu, 1x2 boxes of cells")
+    assert summary["integrals"]["area"] == pytest.approx(np.pi * 0.15, rel=1e-8)
+    assert outputs[1] == ""
+    assert {path.name for path in (folder / "runs" / "annulus").iterdir()} == RUN_FILES
 
 
 def test_version():
