@@ -66,6 +66,8 @@ class Groups:
 
     def __init__(self, space: SplineSpace, components: int, blocks: Blocks) -> None:
         self.space, self.components, self.blocks = space, components, blocks
+        self.moduli = 0.0
+        """Sum of the moduli of the coefficients."""
         self._parts: dict[GroupPlan, list[Part]] = {}
         self._squares = np.zeros((components, int(np.prod(space.shape))))
 
@@ -83,6 +85,7 @@ class Groups:
             stacked = np.pad(stacked, ((0, 0), (0, 0), (0, extra)))
             plan = GroupPlan(keys, order, None, count)
         flat = np.ravel_multi_index(tuple(np.asarray(cells).T), self.space.shape)
+        self.moduli += float(np.abs(stacked).sum())
         self._add_squares(plan, flat, nodes, stacked)
         self._parts.setdefault(plan, []).append((flat, nodes, stacked))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solvers.device.cells import GroupPlan, Groups
 from solvers.device.extension import attached, by_length, extension_arrays, sizes_of
 from solvers.device.halo import Halo, Local, Requests, links_of, places_of, sent
-from solvers.device.places import places, repeats
+from solvers.device.places import Occupied, places, repeats
 from solvers.device.plan import Plan
 from solvers.device.team import Team
 
@@ -83,12 +83,25 @@ class Layout:
         plans = tuple(sorted(self._largest.cells, key=repr))
         self.plan = Plan(groups.space.degree, self.halo.shape, groups.components, plans, self._links)
 
-    def arrays(self, kind: str) -> list[Arrays]:
-        """Arrays of each box of this process for a kind of device."""
-        return [
-            self._arrays(box, local, parts, kind)
-            for box, local, parts in zip(self.boxes, self._locals, self._parts, strict=True)
-        ]
+    def arrays(self, kind: str, place: Callable[[list[Any]], Any]) -> Arrays:
+        """Arrays for a kind of device, after `place` has put those of the boxes of this process where they belong.
+
+        Groups are placed one after the other, and given up here, so that few are held twice.
+        """
+        sizes, groups = self._largest, []
+        occupied: list[list[Occupied]] = [[] for _ in self.boxes]
+        for plan in self.plan.groups:
+            most = sizes.cells[plan]
+            made = [self._groups.arrays(plan, parts.pop(plan, None), most, kind) for parts in self._parts]
+            for found, group in zip(occupied, made, strict=True):
+                found.append(Occupied.of(group["chunks"]))
+            groups.append(place(made))
+        return {
+            "extension": place([self._extension(*one) for one in zip(self.boxes, self._locals, strict=True)]),
+            "links": place([self._exchanges(box) for box in self.boxes]),
+            "groups": groups,
+            "places": place([places(self.plan, found, sizes.several) for found in occupied]),
+        }
 
     def _sizes(self, box: int, local: Local, parts: Mapping[GroupPlan, Any]) -> Sizes:
         cells = [part[0] for part in parts.values()]
@@ -100,24 +113,19 @@ class Layout:
             sizes_of(self._returned(box)[0]),
         )
 
-    def _arrays(self, box: int, local: Local, parts: Mapping[GroupPlan, Any], kind: str) -> Arrays:
+    def _extension(self, box: int, local: Local) -> Arrays:
         sizes = self._largest
-        groups = [
-            self._groups.arrays(plan, parts.get(plan), sizes.cells[plan], kind) for plan in self.plan.groups
-        ]
+        return extension_arrays(local, self._place(box), self._count, sizes.outer, sizes.attached)
+
+    def _exchanges(self, box: int) -> Arrays:
         rows, columns = self._returned(box)
         sends = [sent(self.halo, box, self._requests, link) for link in self._links]
         return {
-            "extension": extension_arrays(local, self._place(box), self._count, sizes.outer, sizes.attached),
-            "links": {
-                "send": [
-                    np.pad(which, (0, link.length - len(which)))
-                    for which, link in zip(sends, self._links, strict=True)
-                ],
-                "back": by_length(rows, columns, np.ones(len(rows)), self.held, sizes.returned),
-            },
-            "groups": groups,
-            "places": places(self.plan, groups, sizes.several),
+            "send": [
+                np.pad(which, (0, link.length - len(which)))
+                for which, link in zip(sends, self._links, strict=True)
+            ],
+            "back": by_length(rows, columns, np.ones(len(rows)), self.held, self._largest.returned),
         }
 
     def _place(self, box: int) -> NDArray[np.int32]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,17 +37,16 @@ class Operator(MatrixFree):
         self._known: tuple[Array, Array] | None = None
         self._where = "" if groups.blocks.count == 1 else f", {groups.blocks.shown()} boxes of cells"
         self.shape = (components * space.n_dofs,) * 2
-        self.plan, self._boxes, boxes = layout.plan, layout.boxes, layout.arrays(kind)
+        self.plan, self._boxes = layout.plan, layout.boxes
         own = layout.halo.own
         self._held = layout.held
         self._unknowns = np.concatenate(own)
         self._places = np.concatenate([box * self._held + np.arange(len(one)) for box, one in enumerate(own)])
-        sums = [float(np.abs(g["chunks"]["coefficients"]).sum()) for box in boxes for g in box["groups"]]
-        self.data = np.array(team.gather(sum(sums)))
+        self.data = np.array(team.gather(groups.moduli))
         """Sums of the moduli of the coefficients, finite where all of these are."""
         with computing(kind):
             self.mesh = mesh_of(kind, groups.blocks.count)
-            self.arrays = placed(self.mesh, boxes)
+            self.arrays = layout.arrays(kind, partial(placed, self.mesh))
 
     def spread(self, vector: Array, spare: float = 0.0) -> Any:
         """Array (boxes, components * held, ...) on the devices of a vector (n, ...), `spare` where there is nothing."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -20,7 +21,20 @@ def repeats(cells: NDArray[np.integer[Any]]) -> tuple[int, int]:
     return int(times.max(initial=1)), int((times > 1).sum())
 
 
-def places(plan: Plan, groups: Sequence[Arrays], several: tuple[int, int]) -> Arrays:
+@dataclass(frozen=True)
+class Occupied:
+    """Cells of a group in chunks, and which of them are no padding, both (chunks, n)."""
+
+    base: NDArray[np.int32]
+    real: NDArray[np.bool_]
+
+    @staticmethod
+    def of(chunks: Arrays) -> Occupied:
+        """The cells of a group's arrays."""
+        return Occupied(chunks["base"], np.any(chunks["coefficients"] != 0, axis=(1, 2)))
+
+
+def places(plan: Plan, groups: Sequence[Occupied], several: tuple[int, int]) -> Arrays:
     """Where the products of each cell are found in the list of all of them.
 
     The list is a zero, the groups' arrays (chunks, M, K, n) one after the other, and the sums of the cells that occur
@@ -30,20 +44,18 @@ def places(plan: Plan, groups: Sequence[Arrays], several: tuple[int, int]) -> Ar
     Parameters
     ----------
     plan, groups
-        The box, and the arrays of each group.
+        The box, and the cells of each group.
     several
         How often a cell occurs, and how many occur more than once, as many as in any box.
     """
     block, total = plan.components * (plan.degree + 1) ** len(plan.shape), 1
     cells, starts, strides = [], [], []
     for data in groups:
-        base = data["chunks"]["base"]
-        chunks, size = base.shape
-        real = np.any(data["chunks"]["coefficients"] != 0, axis=(1, 2))
+        chunks, size = data.base.shape
         at = np.arange(chunks)[:, None] * (block * size) + np.arange(size) + total
-        cells.append(base[real])
-        starts.append(at[real])
-        strides.append(np.full(int(real.sum()), size))
+        cells.append(data.base[data.real])
+        starts.append(at[data.real])
+        strides.append(np.full(int(data.real.sum()), size))
         total += chunks * block * size
     cell, start, stride = (np.concatenate(found) for found in (cells, starts, strides))
     order = np.argsort(cell, kind="stable")

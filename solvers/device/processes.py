@@ -69,12 +69,13 @@ def join(
 
 def _keep_standard_output() -> None:
     """Give standard output to Python alone: the processors' collectives report their connections there."""
-    if sys.stdout is not sys.__stdout__ or sys.stdout.fileno() != 1:
+    output = sys.__stdout__
+    if output is None or sys.stdout is not output or output.fileno() != 1:
         return
-    sys.stdout.flush()
+    output.flush()
     own = os.dup(1)
     os.dup2(2, 1)
-    sys.stdout = os.fdopen(own, "w", buffering=1, encoding=sys.stdout.encoding)
+    sys.stdout = os.fdopen(own, "w", buffering=1, encoding=output.encoding)
 
 
 def team_of(kind: str) -> Team:
