@@ -99,7 +99,8 @@ def corner_rule(
         some = pieces.take(level == k)
         boxes = sampled_boxes(logic, grid, cells, some.row, some.lower, some.width)
         order = max(points - FEWER[grid.dimension] * int(k), FEWEST)
-        found += [part.lines.points(order) for part in volume_rule(logic, boxes, order)]
+        for part in volume_rule(logic, boxes, order):
+            found.append((np.repeat(part.row, order), *part.lines.points(order)))
     rows, nodes, weights = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return PointRule.gather(cells, rows, nodes, grid.cell_volume * weights)
 

@@ -69,10 +69,10 @@ def from_values(degree: int) -> Array:
 
 
 def transform(matrix: Array, c: Array, axis: int) -> Array:
-    """Apply a matrix along one axis."""
-    if axis in (-1, c.ndim - 1):
-        return np.asarray(c @ matrix.T)
-    return np.asarray((c.swapaxes(axis, -1) @ matrix.T).swapaxes(axis, -1))
+    """Apply a matrix along one axis: one product for all boxes."""
+    moved = c.swapaxes(axis, -1)
+    found = moved.reshape(-1, moved.shape[-1]) @ matrix.T
+    return np.asarray(found.reshape(*moved.shape[:-1], len(matrix)).swapaxes(axis, -1))
 
 
 def interpolate(values: Array, dimension: int) -> Array:

@@ -13,8 +13,8 @@ from rfm.calculus.jets import partials
 from rfm.geometry.logic import Logic
 from rfm.geometry.surface import Surface
 from solvers.quadrature.batch import PointBatch, PointRule, TensorBatch
-from solvers.quadrature.lines import LineRule, Lines
-from solvers.quadrature.recursion import BoundaryPart, VolumePart, boundary_rule, volume_rule
+from solvers.quadrature.lines import LineRule
+from solvers.quadrature.recursion import BoundaryPart, boundary_rule, volume_rule
 from solvers.quadrature.sampling import is_exact
 from solvers.quadrature.tensor import inner_rule
 
@@ -98,18 +98,14 @@ def domain_rules(domain: Shape, classification: Classification, inner: int, cut:
     boxes = classification.boxes
     in_cut = [group.take(np.flatnonzero(group.row < len(cut_cells))) for group in boxes]
     volume = list(volume_rule(logic, [group for group in in_cut if len(group)], cut))
+    gathered = LineRule.gather(cells, [part.row for part in volume], [part.lines for part in volume], cut)
     boundary = Deferred(lambda: _boundary_batches(logic, grid, cells, list(boundary_rule(logic, boxes, cut))))
     return DomainRules(
         inner_rule(grid, classification.inner_cells, inner),
-        LineRule.gather(cells, _volume_lines(grid, volume), cut),
+        replace(gathered, lines=replace(gathered.lines, weight=grid.cell_volume * gathered.lines.weight)),
         boundary,
         grid.cell_volume * sum(part.unresolved for part in volume),
     )
-
-
-def _volume_lines(grid: Grid, parts: list[VolumePart]) -> Lines:
-    lines = Lines.joined([part.lines for part in parts], grid.dimension)
-    return replace(lines, weight=grid.cell_volume * lines.weight)
 
 
 def _boundary_batches(

@@ -18,60 +18,48 @@ from solvers.quadrature.batch import PointBatch, PointRule, members, ranked, spa
 from solvers.quadrature.pieces import gauss
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from rfm.calculus.types import Array
     from solvers.grid import Grid, Integers
+
+    Axes = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """A flat list of lines.
+    """Lines in boxes or cells.
 
     Attributes
     ----------
-    owner
-        Number of the box or cell each line lies in, shape ``(L,)``.
     start
         First end, shape ``(L, d)``.
     axis
-        Direction, shape ``(L,)``.
+        Direction, int8, shape ``(L,)``.
     length, weight
         Length and total weight, shape ``(L,)``.
     """
 
-    owner: Integers
     start: Array
-    axis: Integers
+    axis: Axes
     length: Array
     weight: Array
 
+    def __len__(self) -> int:
+        """Number of lines."""
+        return len(self.weight)
+
     def take(self, rows: Integers) -> Lines:
         """Return some of the lines."""
-        return Lines(
-            self.owner[rows], self.start[rows], self.axis[rows], self.length[rows], self.weight[rows]
-        )
+        return Lines(self.start[rows], self.axis[rows], self.length[rows], self.weight[rows])
 
-    def points(self, order: int) -> tuple[Integers, Array, Array]:
-        """Return owners ``(N,)``, coordinates ``(N, d)`` and weights ``(N,)`` of Gauss points, `order` on each line."""
+    def points(self, order: int) -> tuple[Array, Array]:
+        """Return coordinates ``(N, d)`` and weights ``(N,)`` of Gauss points, `order` on each line."""
         t, w = gauss(order)
         nodes = np.repeat(self.start[:, None, :], order, axis=1)
         for k in range(self.start.shape[1]):
             nodes[:, :, k] += np.where(self.axis == k, self.length, 0.0)[:, None] * t
-        weights = np.multiply.outer(self.weight, w).ravel()
-        return np.repeat(self.owner, order), nodes.reshape(-1, nodes.shape[2]), weights
-
-    @staticmethod
-    def joined(parts: Sequence[Lines], dimension: int) -> Lines:
-        """Return one list of all lines."""
-        none = np.zeros(0, dtype=np.int64)
-        empty = Lines(none, np.zeros((0, dimension)), none, np.zeros(0), np.zeros(0))
-        whole = [empty, *parts]
-        return Lines(
-            np.concatenate([part.owner for part in whole]),
-            np.concatenate([part.start for part in whole]),
-            np.concatenate([part.axis for part in whole]),
-            np.concatenate([part.length for part in whole]),
-            np.concatenate([part.weight for part in whole]),
-        )
+        return nodes.reshape(-1, nodes.shape[2]), np.multiply.outer(self.weight, w).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +73,7 @@ class LineRule:
     begin
         The lines of cell ``i`` are those from ``begin[i]`` to ``begin[i + 1] - 1``; shape ``(n + 1,)``.
     lines
-        The lines; ``owner`` is the row of the cell, weights are physical.
+        The lines; weights are physical.
     order
         Gauss points on each line.
     """
@@ -98,7 +86,7 @@ class LineRule:
     @property
     def size(self) -> int:
         """Number of points."""
-        return self.order * len(self.lines.length)
+        return self.order * len(self.lines)
 
     def __len__(self) -> int:
         """Number of cells."""
@@ -117,7 +105,7 @@ class LineRule:
     @property
     def nodes(self) -> Array:
         """Unit coordinates of the points, shape ``(N, d)``."""
-        return self.lines.points(self.order)[1]
+        return self.lines.points(self.order)[0]
 
     @property
     def weights(self) -> Array:
@@ -126,7 +114,7 @@ class LineRule:
 
     def on_points(self) -> PointRule:
         """Return the rule with its points laid out."""
-        _, nodes, weights = self.lines.points(self.order)
+        nodes, weights = self.lines.points(self.order)
         return PointRule(self.cells, self.first, nodes, weights)
 
     def points(self, grid: Grid) -> tuple[Array, ...]:
@@ -149,17 +137,36 @@ class LineRule:
             yield self.take(span).padded()
 
     @classmethod
-    def gather(cls, cells: Integers, lines: Lines, order: int) -> LineRule:
-        """Sort a flat list of lines by cells.
+    def gather(
+        cls, cells: Integers, rows: Sequence[Integers], parts: Sequence[Lines], order: int
+    ) -> LineRule:
+        """Sort lines by cells.
 
         Parameters
         ----------
         cells
-            Cells that the owners of lines refer to, shape ``(n, d)``; those without a line are left out.
-        lines
-            The lines, with physical weights.
+            Cells that rows refer to, shape ``(n, d)``; those without a line are left out.
+        rows, parts
+            Lines with physical weights, and the row of ``cells`` each lies in, in parts.
         order
             Gauss points on each line.
         """
-        ranking, begin, place = ranked(lines.owner, len(cells))
-        return cls(cells[ranking], begin, lines.take(place), order)
+        count = sum(map(len, parts))
+        owner = np.concatenate([np.zeros(0, dtype=np.int64), *rows])
+        ranking, begin, entries = ranked(owner, len(cells))
+        place = np.empty(count, dtype=np.int64)
+        place[entries] = np.arange(count)
+        lines = Lines(
+            np.empty((count, cells.shape[1])),
+            np.empty(count, dtype=np.int8),
+            np.empty(count),
+            np.empty(count),
+        )
+        done = 0
+        # part by part to its place: no copy of all lines in between
+        for part in parts:
+            at = place[done : done + len(part)]
+            lines.start[at], lines.axis[at] = part.start, part.axis
+            lines.length[at], lines.weight[at] = part.length, part.weight
+            done += len(part)
+        return cls(cells[ranking], begin, lines, order)

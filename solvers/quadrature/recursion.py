@@ -42,8 +42,9 @@ POINTS_AT_ONCE = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class VolumePart:
-    """Lines in cells (rows), weights in units of the cell; unresolved volume."""
+    """Rows of cells and lines in them, weights in units of the cell; unresolved volume."""
 
+    row: Integers
     lines: Lines
     unresolved: float = 0.0
 
@@ -208,14 +209,20 @@ def _unit(boxes: Boxes, rows: Integers, axes: Integers, at: Array) -> Array:
 def _integrate(
     logic: Logic, boxes: Boxes, choice: Choice, rows: Integers, forced: Mask, order: int
 ) -> VolumePart:
-    lines = volume_lines(_graphs(logic, boxes, choice, rows), order)
-    owner = rows[lines.owner]
-    axes = choice.axes[owner]
-    axis = axes[:, 0]
-    volumes = boxes.width.prod(axis=1)
-    start = _unit(boxes, owner, axes, lines.start)
-    length, weight = lines.length * boxes.width[owner, axis], lines.weight * volumes[owner]
-    return VolumePart(Lines(boxes.row[owner], start, axis, length, weight), float(volumes[forced].sum()))
+    segments = volume_lines(_graphs(logic, boxes, choice, rows), order)
+    owner = rows[segments.owner]
+    volume, axis = boxes.width.prod(axis=1), choice.axes[:, 0].astype(np.int8)
+    across = boxes.width[np.arange(len(boxes)), axis]
+    start = np.empty((len(owner), boxes.dimension))
+    for column, at in enumerate((segments.start, *segments.base)):
+        # box by box first: there are many lines in each
+        k = choice.axes[:, column]
+        low, width = (
+            np.take_along_axis(side, k[:, None], axis=1)[:, 0] for side in (boxes.lower, boxes.width)
+        )
+        start[np.arange(len(owner)), k[owner]] = low[owner] + width[owner] * at
+    lines = Lines(start, axis[owner], segments.length * across[owner], segments.weight * volume[owner])
+    return VolumePart(boxes.row[owner], lines, float(volume[forced].sum()))
 
 
 def _integrate_boundary(
@@ -241,11 +248,9 @@ def _whole(boxes: Boxes, rows: Integers, order: int) -> VolumePart:
     start = boxes.lower[rows, None, :] + width[:, None, :] * tensor
     weight = width.prod(axis=1)[:, None] * tensor_weights(w, d - 1)
     each = len(tensor)
-    axis = np.full(len(rows) * each, d - 1)
-    length = np.repeat(width[:, -1], each)
-    return VolumePart(
-        Lines(np.repeat(boxes.row[rows], each), start.reshape(-1, d), axis, length, weight.ravel())
-    )
+    axis = np.full(len(rows) * each, d - 1, dtype=np.int8)
+    lines = Lines(start.reshape(-1, d), axis, np.repeat(width[:, -1], each), weight.ravel())
+    return VolumePart(np.repeat(boxes.row[rows], each), lines)
 
 
 def _fallback(logic: Logic, boxes: Boxes, order: int) -> VolumePart:
@@ -267,10 +272,9 @@ def _fallback(logic: Logic, boxes: Boxes, order: int) -> VolumePart:
     nodes = boxes.lower[:, None, :] + boxes.width[:, None, :] * np.asarray(list(product(t, repeat=d)))
     volume = boxes.width.prod(axis=1)
     points = Lines(
-        np.repeat(boxes.row, each),
         nodes.reshape(-1, d),
-        np.zeros(n * each, dtype=np.int64),
+        np.zeros(n * each, dtype=np.int8),
         np.zeros(n * each),
         np.multiply.outer(volume, tensor_weights(w, d)).ravel(),
     )
-    return VolumePart(points.take(inside), float(volume.sum()))
+    return VolumePart(np.repeat(boxes.row, each)[inside], points.take(inside), float(volume.sum()))

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.quadrature.heights import edge_breaks, face_roots, height, meetings, restrict, triple_points
-from solvers.quadrature.lines import Lines
 from solvers.quadrature.pieces import SHORTEST, broken, gauss
 
 if TYPE_CHECKING:
@@ -54,19 +53,33 @@ class Graphs:
         return Graphs(c.reshape(-1, *c.shape[2:]), self.noise[where], self.upright[where], self.table[where])
 
 
-def volume_lines(graphs: Graphs, order: int) -> Lines:
-    """Return the lines along ``x`` that make up the domain in all boxes, in box units, axes ``x, y[, z]``."""
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Lines along ``x``: box number, ends of the line (its start, length), other coordinates, and total weight.
+
+    Arrays of shape ``(L,)``; ``base`` has one for ``y`` and, in space, one for ``z``.
+    """
+
+    owner: Integers
+    start: Array
+    length: Array
+    base: tuple[Array, ...]
+    weight: Array
+
+
+def volume_lines(graphs: Graphs, order: int) -> Segments:
+    """Return the lines along ``x`` that make up the domain in all boxes, in box units."""
     if graphs.c.ndim == 4:
         return _plane(graphs, order)
     owner, z, weight = base_nodes(graphs, order, all_pairs(graphs), all_triples(graphs))
     plane = _plane(graphs.slices(owner, z), order)
-    start = np.column_stack([plane.start, z.ravel()[plane.owner]])
-    return Lines(
-        np.repeat(owner, order)[plane.owner],
-        start,
-        plane.axis,
+    of = plane.owner
+    return Segments(
+        owner[of // order],
+        plane.start,
         plane.length,
-        plane.weight * weight.ravel()[plane.owner],
+        (*plane.base, z.ravel()[of]),
+        plane.weight * weight.ravel()[of],
     )
 
 
@@ -104,7 +117,7 @@ def line_breaks(graphs: Graphs, slots: slice, pairs: list[tuple[int, int]]) -> l
     return breaks
 
 
-def _plane(graphs: Graphs, order: int) -> Lines:
+def _plane(graphs: Graphs, order: int) -> Segments:
     t, w = gauss(order)
     pieces = broken(len(graphs.c), line_breaks(graphs, slice(None), all_pairs(graphs)))
     owner = pieces.owner
@@ -127,7 +140,11 @@ def _plane(graphs: Graphs, order: int) -> Lines:
         )
         code |= positive.astype(np.int64) << a
     inside = graphs.table[owner[:, None, None], code]
-    p, q, s = np.nonzero(inside & (length > SHORTEST))
-    step = length[p, q, s]
-    start = np.stack([ends[p, q, s], y[p, q]], axis=1)
-    return Lines(owner[p], start, np.zeros(len(p), dtype=np.int64), step, pieces.length[p] * w[q] * step)
+    kept = np.flatnonzero(inside & (length > SHORTEST))
+    # flat numbers of segment, base point and piece
+    point = kept // (lines.shape[2] + 1)
+    piece = point // order
+    step = length.ravel()[kept]
+    weight = pieces.length[piece] * w[point - order * piece] * step
+    start = ends[..., :-1].ravel()[kept]
+    return Segments(owner[piece], start, step, (y.ravel()[point],), weight)

@@ -52,13 +52,11 @@ def test_some_cells_and_chunks() -> None:
 
 def test_points_of_lines() -> None:
     lines = Lines(
-        np.array([4, 2]),
         np.array([[0.0, 0.5], [0.25, 0.5]]),
-        np.array([0, 1]),
+        np.array([0, 1], dtype=np.int8),
         np.array([1.0, 0.5]),
         np.array([2.0, 3.0]),
     )
-    owner, nodes, weights = lines.points(1)
-    np.testing.assert_array_equal(owner, [4, 2])
+    nodes, weights = lines.points(1)
     np.testing.assert_allclose(nodes, [[0.5, 0.5], [0.25, 0.75]])
     np.testing.assert_allclose(weights, [2.0, 3.0])
