@@ -197,46 +197,39 @@ def _sampled(
     signs: Signs,
     active: Mask,
     degree: int,
-    depth: int = 0,
 ) -> Iterator[Boxes]:
     """Sample all surfaces at once, then group boxes by the number of active ones."""
-    box, surface = np.nonzero(active)
-    samples = sample(logic.surfaces, surface, box, grid, cells[rows], lower, width, degree)
-    good = np.ones(len(rows), dtype=bool)
-    if depth < RESAMPLINGS:
-        good[box[~samples.good]] = False
-    count = active.sum(axis=1)
-    first = np.cumsum(count) - count
-    signs = np.where(active, np.int8(0), signs)
-    for m in np.flatnonzero(np.bincount(count[good])):
-        keep = np.flatnonzero(good & (count == m))
-        slots = first[keep, None] + np.arange(m)
-        yield Boxes(
-            rows[keep],
-            lower[keep],
-            width[keep],
-            surface[slots],
-            samples.coefficients[slots],
-            samples.noise[slots],
-            signs[keep],
-            np.full(len(keep), depth),
-        )
-    bad = np.flatnonzero(~good)
-    if bad.size:
-        half = 0.5 * width[bad]
-        for corner in np.ndindex(*[2] * grid.dimension):
-            yield from _sampled(
-                logic,
-                grid,
-                cells,
-                rows[bad],
-                lower[bad] + half * corner,
-                half,
-                signs[bad],
-                active[bad],
-                degree,
-                depth + 1,
+    for depth in range(RESAMPLINGS + 1):
+        box, surface = np.nonzero(active)
+        samples = sample(logic.surfaces, surface, box, grid, cells[rows], lower, width, degree)
+        good = np.ones(len(rows), dtype=bool)
+        if depth < RESAMPLINGS:
+            good[box[~samples.good]] = False
+        count = active.sum(axis=1)
+        first = np.cumsum(count) - count
+        base = np.where(active, np.int8(0), signs)
+        for m in np.flatnonzero(np.bincount(count[good])):
+            keep = np.flatnonzero(good & (count == m))
+            slots = first[keep, None] + np.arange(m)
+            yield Boxes(
+                rows[keep],
+                lower[keep],
+                width[keep],
+                surface[slots],
+                samples.coefficients[slots],
+                samples.noise[slots],
+                base[keep],
+                np.full(len(keep), depth),
             )
+        bad = np.flatnonzero(~good)
+        if not bad.size:
+            return
+        # all halves of a level at once
+        corners = np.array(list(np.ndindex(*[2] * grid.dimension)))
+        every = np.tile(bad, len(corners))
+        width = 0.5 * width[every]
+        lower = lower[every] + width * np.repeat(corners, len(bad), axis=0)
+        rows, signs, active = rows[every], signs[every], active[every]
 
 
 def children(boxes: Boxes, axes: Iterable[int]) -> Boxes:

@@ -28,6 +28,9 @@ DEGREE = 8
 ACCURACY = 1e-12
 """Largest interpolation error, relative to the function on the box, that needs no subdivision."""
 
+CLEAR = 10.0
+"""A function whose interpolant keeps away from zero by so many times its error has no zero."""
+
 EPS = float(np.finfo(np.float64).eps)
 
 
@@ -127,7 +130,10 @@ def sample(
         where = box[chosen]
         error = _error(one, c[chosen], grid, cells[where], lower[where], width[where])
         noise[chosen] += error
-        good[chosen] = error <= ACCURACY * scale[chosen]
+        low, high = bernstein.bounds(c[chosen], d)
+        # far from zero only the sign is wanted
+        clear = np.maximum(low, -high) > CLEAR * error
+        good[chosen] = clear | (error <= ACCURACY * scale[chosen])
     return Samples(c, noise, good)
 
 
