@@ -111,21 +111,20 @@ def text_of(operator: Operator, load: Any) -> str:
 
 
 def row(shape: Shape, degree: int, grid: int, count: int) -> str:
-    """Row of the table: boxes, unknowns, traffic of the model and of the program, and work of the largest box."""
+    """Row of the table: boxes, unknowns, traffic of the model and of the program, and how even the work is."""
     problem = Problem(shape, Poisson(source=1.0), (Dirichlet(shape.part("all")),))
     options = SolverOptions(device="cpu", shards=count)
     discretization = Discretization(degree=degree, grid=grid)
     operator, load, blocks = system(problem, discretization, options)
     found, model = counted(text_of(operator, load)), predicted(blocks, degree)
-    cells = [group["chunks"]["base"].size for group in operator.arrays["groups"]]
-    real = [
-        int((np.abs(g["chunks"]["coefficients"]).max(axis=(2, 3)) > 0).sum())
-        for g in operator.arrays["groups"]
-    ]
+    work = sum(
+        np.asarray(group["used"]) * float(np.prod(group["chunks"]["coefficients"].shape[2:]))
+        for group in operator.arrays["groups"]
+    )
     pairs = ((model.messages, found.messages), (model.numbers * NUMBER, found.numbers * NUMBER))
     columns = [shape.parts[0], degree, grid, len(load), blocks.shown()]
     columns += [f"{one}, {other}" for one, other in (*pairs, (model.sums, found.sums))]
-    return " | ".join(map(str, [*columns, f"{sum(real) / sum(cells):.2f}"]))
+    return " | ".join(map(str, [*columns, f"{np.mean(work) / np.max(work):.2f}"]))
 
 
 def system(
@@ -150,9 +149,7 @@ def system(
 
 def main(counts: list[int]) -> None:
     """Print a table for a box and for a ball."""
-    print(
-        "shape | p | grid | unknowns | boxes | exchanges: model, program | bytes | sums | cells / room for them"
-    )
+    print("shape | p | grid | unknowns | boxes | exchanges: model, program | bytes | sums | mean work / most")
     full = box(min=(0, 0, 0), max=(1, 1, 1)).named("box")
     for shape in (full, ball(center=(0, 0, 0), radius=1).named("ball")):
         for degree, grid in ((2, 24), (3, 24)):

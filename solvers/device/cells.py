@@ -6,7 +6,7 @@ everywhere.  A chunk of a group is what is computed at a time: its size bounds t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,6 @@ from solvers.splines import tables
 from solvers.web import SplineSpace
 
 Key = tuple[Column, Column]
-Part = tuple[NDArray[np.intp], Array, Array]
 WORK = {"cpu": 2**18, "gpu": 2**24}
 """Numbers at the nodes of a chunk: they fit the cache of a processor, or keep a GPU busy."""
 
@@ -51,6 +50,16 @@ class GroupPlan:
     count: int
 
 
+@dataclass(frozen=True)
+class Part:
+    """Some cells of a group: their boxes, first coefficients in them, nodes, and coefficients (keys, n, nodes)."""
+
+    holder: NDArray[np.int32]
+    base: NDArray[np.int32]
+    nodes: Array
+    coefficients: Array
+
+
 class Groups:
     """Cells by group as they come, and the diagonal of the matrix of all B-splines.
 
@@ -69,6 +78,8 @@ class Groups:
         self.moduli = 0.0
         """Sum of the moduli of the coefficients."""
         self._parts: dict[GroupPlan, list[Part]] = {}
+        self._lower = np.array([blocks.box(k) for k in range(blocks.count)])[..., 0].T
+        self._shape = tuple(n + space.degree for n in blocks.thickness)
         self._squares = np.zeros((components, int(np.prod(space.shape))))
 
     def add(self, cells: NDArray[np.integer[Any]], nodes: Array, blocks: Mapping[Key, Array]) -> None:
@@ -84,67 +95,56 @@ class Groups:
             nodes = np.pad(nodes, ((0, 0), (0, extra), (0, 0)), constant_values=0.5)
             stacked = np.pad(stacked, ((0, 0), (0, 0), (0, extra)))
             plan = GroupPlan(keys, order, None, count)
-        flat = np.ravel_multi_index(tuple(np.asarray(cells).T), self.space.shape)
+        index = np.asarray(cells).T
+        flat = np.ravel_multi_index(tuple(index), self.space.shape)
         self.moduli += float(np.abs(stacked).sum())
         self._add_squares(plan, flat, nodes, stacked)
-        self._parts.setdefault(plan, []).append((flat, nodes, stacked))
+        holder = self.blocks.holders(index)
+        base = np.ravel_multi_index(tuple(index - self._lower[:, holder]), self._shape).astype(np.int32)
+        self._parts.setdefault(plan, []).append(Part(holder, base, nodes, stacked))
 
     def diagonal(self, team: Team) -> Array:
         """Diagonal of ``E D E^T``, D the diagonal of the B-splines' matrix: shape (components * unknowns,)."""
         carried = self.space.extension.power(2) @ np.abs(team.total(self._squares)).T
         return np.asarray(carried.T.ravel())
 
-    def boxes(self, numbers: Sequence[int]) -> list[dict[GroupPlan, Part]]:
-        """Cells, nodes and coefficients of each group in some boxes; given up on the way.
-
-        Cells are known by the flat index of their first coefficient in the box.
-        """
-        found: list[dict[GroupPlan, Part]] = [{} for _ in numbers]
-        shape = tuple(n + self.space.degree for n in self.blocks.thickness)
-        for plan in list(self._parts):
-            parts = self._parts.pop(plan)
-            cells = np.concatenate([part[0] for part in parts])
-            nodes = parts[0][1] if plan.nodes is not None else np.concatenate([part[1] for part in parts])
-            stacked = np.concatenate([part[2] for part in parts], axis=1)
-            holders = self._holders(cells)
-            for box, number in zip(found, numbers, strict=True):
-                rows = np.flatnonzero(holders == number)
-                lower = np.array([low for low, _ in self.blocks.box(number)])
-                index = np.stack(np.unravel_index(cells[rows], self.space.shape)) - lower[:, None]
-                own = nodes if plan.nodes is not None else nodes[rows]
-                box[plan] = np.ravel_multi_index(tuple(index), shape), own, stacked[:, rows]
-        return found
-
-    def arrays(self, plan: GroupPlan, part: Part | None, most: int, kind: str) -> dict[str, Any]:
-        """Arrays of the cells of a box in a group, in chunks for a kind of device, as many as of `most` cells."""
-        cells, nodes, coefficients = part or self._nothing(plan)
-        columns = len({column for key in plan.keys for column in key})
-        size = chunk_size(most, columns * coefficients.shape[2], kind)
-        count = -(-most // size)
-        blocks = chunked(coefficients.transpose(1, 0, 2), size, count)
-        chunks = {
-            "base": chunked(cells.astype(np.int32), size, count),
-            "coefficients": np.ascontiguousarray(blocks.transpose(0, 2, 3, 1)),
+    def cells(self, number: int) -> dict[GroupPlan, NDArray[np.int32]]:
+        """Cells of each group in a box, by the flat index of their first coefficient in the box."""
+        return {
+            plan: np.concatenate([part.base[part.holder == number] for part in parts])
+            for plan, parts in self._parts.items()
         }
-        if plan.nodes is not None:
-            return {"chunks": chunks, "lines": self._lines(np.array(plan.nodes), plan.order)}
-        for axis, line in enumerate(self._lines(nodes, plan.order)):
-            pieces = chunked(line.transpose(1, 0, 2, 3), size, count)
-            chunks[f"lines{axis}"] = np.ascontiguousarray(pieces.transpose(0, 2, 3, 4, 1))
-        return {"chunks": chunks, "lines": ()}
 
-    def _holders(self, cells: NDArray[np.intp]) -> NDArray[np.int32]:
-        return self.blocks.holders(np.stack(np.unravel_index(cells, self.space.shape)))
+    def arrays(self, plan: GroupPlan, number: int, most: int, kind: str) -> dict[str, Any]:
+        """Arrays of the cells of a group in a box, in chunks for a kind of device, as many as of `most` cells."""
+        dimension, keys = self.space.grid.dimension, len(plan.keys)
+        nodes = plan.count**dimension if plan.nodes is not None else plan.count
+        size = chunk_size(most, len({column for key in plan.keys for column in key}) * nodes, kind)
+        count, width = -(-most // size), (plan.order + 1, plan.count, self.space.degree + 1)
+        chunks = {
+            "base": np.zeros((count, size), dtype=np.int32),
+            "coefficients": np.zeros((count, keys, nodes, size)),
+        }
+        if plan.nodes is None:
+            chunks.update({f"lines{axis}": np.zeros((count, *width, size)) for axis in range(dimension)})
+        start = 0
+        for part in self._parts.get(
+            plan, ()
+        ):  # each is copied to its place, so that nothing else is held twice
+            rows = np.flatnonzero(part.holder == number)
+            chunk, at = np.divmod(np.arange(start, start + len(rows)), size)
+            chunks["base"][chunk, at] = part.base[rows]
+            chunks["coefficients"][chunk, :, :, at] = part.coefficients[:, rows].transpose(1, 0, 2)
+            if plan.nodes is None:
+                for axis, line in enumerate(self._lines(part.nodes[rows], plan.order)):
+                    chunks[f"lines{axis}"][chunk, :, :, :, at] = line.transpose(1, 0, 2, 3)
+            start += len(rows)
+        lines = () if plan.nodes is None else self._lines(np.array(plan.nodes), plan.order)
+        return {"chunks": chunks, "lines": lines, "used": np.array(-(-start // size), dtype=np.int32)}
 
-    def _nothing(self, plan: GroupPlan) -> Part:
-        """No cells of a group."""
-        dimension = self.space.grid.dimension
-        count = plan.count**dimension if plan.nodes is not None else plan.count
-        return (
-            np.zeros(0, dtype=np.intp),
-            np.zeros((0, plan.count, dimension)),
-            np.zeros((len(plan.keys), 0, count)),
-        )
+    def drop(self, plan: GroupPlan) -> None:
+        """Give up the cells of a group."""
+        self._parts.pop(plan, None)
 
     def _lines(self, nodes: Array, order: int) -> tuple[Array, ...]:
         """Derivatives along each direction: (R, q, p+1) at common nodes, (R, n, q, p+1) at points."""
@@ -182,10 +182,3 @@ def chunk_size(cells: int, numbers: int, kind: str) -> int:
     """Cells of a chunk: a power of two (16 at least) within the bound of the device, no more than there are."""
     bound = max(16, WORK.get(kind, WORK["gpu"]) // numbers)
     return int(2 ** min(bound.bit_length() - 1, max(4, (cells - 1).bit_length())))
-
-
-def chunked(array: Array, size: int, count: int) -> Array:
-    """Rows padded with zeros and cut into chunks (count, size, ...)."""
-    rows = count * size - len(array)
-    padded = np.pad(array, [(0, rows), *[(0, 0)] * (array.ndim - 1)])
-    return padded.reshape(-1, size, *array.shape[1:])

@@ -77,8 +77,7 @@ class Layout:
         self._links = links_of(self._requests, groups.blocks.count)
         self.held = max(map(len, self.halo.own))
         self._count = self.held + sum(link.length for link in self._links)
-        self._parts = groups.boxes(self.boxes)
-        mine = Sizes.largest(map(self._sizes, self.boxes, self._locals, self._parts))
+        mine = Sizes.largest(map(self._sizes, self.boxes, self._locals))
         self._largest = Sizes.largest(team.gather(mine))
         plans = tuple(sorted(self._largest.cells, key=repr))
         self.plan = Plan(groups.space.degree, self.halo.shape, groups.components, plans, self._links)
@@ -92,7 +91,8 @@ class Layout:
         occupied: list[list[Occupied]] = [[] for _ in self.boxes]
         for plan in self.plan.groups:
             most = sizes.cells[plan]
-            made = [self._groups.arrays(plan, parts.pop(plan, None), most, kind) for parts in self._parts]
+            made = [self._groups.arrays(plan, box, most, kind) for box in self.boxes]
+            self._groups.drop(plan)
             for found, group in zip(occupied, made, strict=True):
                 found.append(Occupied.of(group["chunks"]))
             groups.append(place(made))
@@ -103,11 +103,11 @@ class Layout:
             "places": place([places(self.plan, found, sizes.several) for found in occupied]),
         }
 
-    def _sizes(self, box: int, local: Local, parts: Mapping[GroupPlan, Any]) -> Sizes:
-        cells = [part[0] for part in parts.values()]
+    def _sizes(self, box: int, local: Local) -> Sizes:
+        cells = self._groups.cells(box)
         return Sizes(
-            {plan: len(part[0]) for plan, part in parts.items()},
-            repeats(np.concatenate(cells)) if cells else (1, 0),
+            {plan: len(found) for plan, found in cells.items()},
+            repeats(np.concatenate(list(cells.values()))) if cells else (1, 0),
             len(local.outer),
             sizes_of(attached(local, self._place(box))[0]),
             sizes_of(self._returned(box)[0]),

@@ -45,25 +45,33 @@ def applied(plan: Plan, arrays: Arrays, vector: Any) -> Any:
 def _group_product(plan: Plan, group: GroupPlan, data: Arrays, full: Any) -> Any:
     """Element products ``T^T C T x`` of all cells of a group, chunk by chunk: (chunks, M, K, n)."""
     import jax
+    import jax.numpy as jnp
 
     offsets = _offsets(plan)
     derivatives = multi_indices(len(plan.shape), group.order)
     columns = sorted({column for key in group.keys for column in key})
     kinds = {derivatives[alpha] for _, alpha in columns}
 
-    def chunk(piece: Arrays) -> Any:
+    def chunk(number: Any, found: Any) -> Any:
+        piece = {
+            name: jax.lax.dynamic_index_in_dim(a, number, 0, False) for name, a in data["chunks"].items()
+        }
         tables = _tables(group, data, piece)
         local = full[:, piece["base"] + offsets[:, None]].reshape(plan.components, *plan.local, -1)
         jets = tables.values(local, kinds)
         images: dict[Any, Any] = {}
-        for number, (test, trial) in enumerate(group.keys):
-            weight = _at_nodes(group, plan, piece["coefficients"][number])
+        for key, (test, trial) in enumerate(group.keys):
+            weight = _at_nodes(group, plan, piece["coefficients"][key])
             for row, column in {(test, trial), (trial, test)}:
                 term = weight * jets[derivatives[column[1]]][column[0]]
                 images[row] = images[row] + term if row in images else term
-        return _components(plan, tables, {(m, derivatives[alpha]): f for (m, alpha), f in images.items()})
+        fields = {(m, derivatives[alpha]): f for (m, alpha), f in images.items()}
+        return found.at[number].set(_components(plan, tables, fields))
 
-    return jax.lax.map(chunk, data["chunks"])
+    chunks, size = data["chunks"]["base"].shape
+    # a box has room for as many cells as the one that has most, and goes through its own only
+    nothing = jnp.zeros((chunks, plan.components, offsets.size, size))
+    return jax.lax.fori_loop(0, data["used"], chunk, nothing)
 
 
 def _components(plan: Plan, tables: Tables, fields: dict[Any, Any]) -> Any:
