@@ -169,7 +169,7 @@ class SplineCornerAssembler:
 
     def __init__(self, rows: SplineSpace, columns: CornerSpace) -> None:
         self.rows, self.columns = rows, columns
-        self._full = np.zeros((columns.n_dofs, int(np.prod(rows.shape))))
+        self._full = np.zeros((int(np.prod(rows.shape)), columns.n_dofs))
 
     def add(self, batch: Batch, blocks: Blocks, loads: Mapping[int, Array]) -> None:
         """Add the integrals over `batch`; there are no loads between two spaces.
@@ -183,6 +183,8 @@ class SplineCornerAssembler:
             raise ValueError("a form between two spaces has no load")
         if not len(batch.cells) or not blocks:
             return
+        from scipy.sparse import csc_array
+
         order = order_of(blocks, 2)
         left, right = spline_table(self.rows, node_table(batch), order), self.columns.table(batch, order)
         element = np.zeros(())
@@ -195,11 +197,12 @@ class SplineCornerAssembler:
                 else np.matmul(image.swapaxes(0, 1), left[alpha]).swapaxes(0, 1)
             )
         index = local_indices(self.rows, np.asarray(batch.cells))
-        for local, where in enumerate(
-            index.T
-        ):  # a spline is the same one in different cells, not in one place of them
-            self._full[:, where] += element[:, :, local]
+        entries = index.size  # a matrix with a one in each column adds up what belongs to a spline
+        columns = csc_array(
+            (np.ones(entries), index.ravel(), np.arange(entries + 1)), (len(self._full), entries)
+        )
+        self._full += columns @ element.reshape(len(element), -1).T
 
     def finish(self) -> tuple[Any, Array]:
         """Matrix (n_dofs of the splines, n_dofs of the corner functions), and an empty load."""
-        return np.asarray(self.rows.extension @ self._full.T), np.zeros(0)
+        return np.asarray(self.rows.extension @ self._full), np.zeros(0)

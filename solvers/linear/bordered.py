@@ -20,7 +20,7 @@ import numpy as np
 from rfm.calculus.types import Array
 from solvers.linear import LinearSolution
 from solvers.linear import solve as solve_linear
-from solvers.linear.condition import factorise
+from solvers.linear.condition import DENSE, factorise
 from solvers.linear.system import INDEFINITE, ScaledSystem, refusal
 from solvers.problem import SolverOptions
 
@@ -79,6 +79,8 @@ def _dense(block: Any) -> Array:
 
 def _inverse(block: Any, load: Array, options: SolverOptions) -> tuple[Callable[[Array], Array], str]:
     """Solver with the first block for several right-hand sides (n, k), and its name."""
+    if options.linear in ("auto", "dense") and len(load) <= DENSE:
+        return _cholesky(ScaledSystem.of(block, load)), "dense"
     if options.linear == "auto":
         system = ScaledSystem.of(block, load)
         factors = factorise(system)
@@ -93,6 +95,17 @@ def _inverse(block: Any, load: Array, options: SolverOptions) -> tuple[Callable[
         return np.stack(found, axis=1)
 
     return each, options.linear if options.linear != "auto" else "cg"
+
+
+def _cholesky(system: ScaledSystem) -> Callable[[Array], Array]:
+    """Solver with a factorisation as a dense matrix, without the condition number, which costs as much again."""
+    from scipy.linalg.lapack import dpotrf, dpotrs
+
+    factor, info = dpotrf(system.scaled_array().T, lower=1, clean=0, overwrite_a=1)
+    if info:
+        raise refusal(INDEFINITE, f"pivot {info} of {len(system.load)} of the splines")
+    column = system.scale[:, None]
+    return lambda right: column * dpotrs(factor, column * right, lower=1)[0]
 
 
 def _pivoted(matrix: Array) -> Callable[[Array], Array]:

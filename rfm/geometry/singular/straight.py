@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from rfm.calculus.jets import partials
 from rfm.calculus.types import Array
 from rfm.geometry.expression import Disjunction, Expression, Node
-from rfm.geometry.logic import Logic, Signs
+from rfm.geometry.logic import Integers, Logic
 from rfm.geometry.shape import Shape
 from rfm.geometry.surface import Surface
 
@@ -76,23 +75,34 @@ def straight_corners(shape: Shape) -> tuple[StraightCorner, ...]:
     lines = [i for i, surface in enumerate(shape.surfaces) if surface.degree == 1]
     if shape.dimension != 2 or len(lines) < 2 or not _has_union(shape.expression) or not shape.box.finite:
         return ()
-    logic = Logic(shape.expression, shape.surfaces)
-    size = max(shape.box.size)
-    points, pairs = _crossings([shape.surfaces[i] for i in lines], shape, size)
-    if not len(points):
-        return ()
-    values = np.stack([partials(s.function, tuple(points.T), 0)[0] for s in shape.surfaces], axis=1)
+    logic, size = Logic(shape.expression, shape.surfaces), max(shape.box.size)
+    forms = _forms([shape.surfaces[i] for i in lines])
+    points, pairs = _crossings(forms, shape, size)
+    values = np.empty((len(points), len(shape.surfaces)))
+    values[:, lines] = points @ forms[:, 1:].T + forms[:, 0]
+    for i in set(range(len(shape.surfaces))) - set(lines):
+        values[:, i] = partials(shape.surfaces[i].function, tuple(points.T), 0)[0]
     active = np.abs(values) <= ON_LINE * size
     signs = np.where(active, 0, np.sign(values)).astype(np.int8)
-    on_boundary = np.flatnonzero((logic.value(signs) == 0) & (active.sum(axis=1) == 2))
-    found = (_corner(logic, signs[k], points[k], [lines[i] for i in pairs[k]]) for k in on_boundary)
-    return tuple(sorted((c for c in found if c is not None), key=lambda c: c.point))
+    rows = np.flatnonzero(active.sum(axis=1) == 2)
+    inside = logic.table(signs[rows], np.array(lines)[pairs[rows]])
+    found = []
+    for row, sectors in zip(rows, inside, strict=True):
+        if sectors.sum() == 3:
+            sides = np.where(int(np.argmin(sectors)) >> np.arange(2) & 1, 1.0, -1.0)
+            pair = pairs[row]
+            found.append(
+                _corner(
+                    points[row], sides[:, None] * forms[pair, 1:], [shape.surfaces[lines[i]] for i in pair]
+                )
+            )
+    return tuple(sorted(found, key=lambda corner: corner.point))
 
 
 def landmarks(shape: Shape) -> Array:
     """Points (n, 2) of the boundary where two of its lines cross, in the box of a shape."""
-    lines = [surface for surface in shape.surfaces if surface.degree == 1]
-    points, _ = _crossings(lines, shape, max(shape.box.size))
+    forms = _forms([surface for surface in shape.surfaces if surface.degree == 1])
+    points, _ = _crossings(forms, shape, max(shape.box.size))
     return points[on_boundary(shape, points)]
 
 
@@ -108,45 +118,36 @@ def _has_union(expression: Expression) -> bool:
     )
 
 
-def _crossings(lines: list[Surface], shape: Shape, size: float) -> tuple[Array, list[tuple[int, int]]]:
-    """Points (n, 2) in the box of the shape where two lines cross, and which."""
-    jets = np.stack([partials(line.function, (np.zeros(1), np.zeros(1)), 1)[:, 0] for line in lines])
-    jets = jets / np.linalg.norm(jets[:, 1:], axis=1, keepdims=True)
-    lower, upper = np.array(shape.box.lower), np.array(shape.box.upper)
-    points, pairs = [], []
-    for i, j in combinations(range(len(lines)), 2):
-        (c, a, b), (f, d, e) = jets[i], jets[j]
-        sine = a * e - b * d
-        if abs(sine) < PARALLEL:
-            continue
-        point = np.array([b * f - c * e, c * d - a * f]) / sine
-        if (point >= lower - ON_LINE * size).all() and (point <= upper + ON_LINE * size).all():
-            points.append(point)
-            pairs.append((i, j))
-    return np.array(points).reshape(-1, 2), pairs
+def _forms(lines: list[Surface]) -> Array:
+    """Signed distances to lines as affine forms (constant, slopes), shape (n, 3)."""
+    origin = (np.zeros(1), np.zeros(1))
+    forms = np.array([partials(line.function, origin, 1)[:, 0] for line in lines]).reshape(-1, 3)
+    return np.asarray(forms / np.linalg.norm(forms[:, 1:], axis=1, keepdims=True))
 
 
-def _corner(logic: Logic, signs: Signs, point: Array, pair: list[int]) -> StraightCorner | None:
-    """The re-entrant corner at a point where two lines cross; None where three of the four sectors do not belong."""
-    gradients = np.stack([partials(logic.surfaces[i].function, tuple(point), 1)[1:] for i in pair])
-    along = np.arctan2(-gradients[:, 0], gradients[:, 1])
-    rays = np.concatenate([along, along + np.pi]) % (2 * np.pi)
-    owners = np.array([*pair, *pair])
-    order = np.argsort(rays)
-    rays, owners = rays[order], owners[order]
-    widths = np.diff(np.append(rays, rays[0] + 2 * np.pi))
-    middles = rays + 0.5 * widths
-    trial = np.repeat(signs[None, :], 4, axis=0)
-    trial[:, pair] = np.where(np.stack([np.cos(middles), np.sin(middles)], axis=1) @ gradients.T > 0, 1, -1)
-    outside = np.flatnonzero(logic.value(trial) <= 0)
-    if len(outside) != 1:
-        return None
-    gap = int(outside[0])
-    after = (gap + 1) % 4
+def _crossings(forms: Array, shape: Shape, size: float) -> tuple[Array, Integers]:
+    """Points (n, 2) in the box of a shape where two lines cross, and which (n, 2)."""
+    pairs = np.stack(np.triu_indices(len(forms), 1), axis=1)
+    (c, a, b), (f, d, e) = forms[pairs[:, 0]].T, forms[pairs[:, 1]].T
+    sine = a * e - b * d
+    with np.errstate(all="ignore"):
+        points = np.stack([b * f - c * e, c * d - a * f], axis=1) / sine[:, None]
+    margin = ON_LINE * size
+    inside = (points >= np.array(shape.box.lower) - margin) & (points <= np.array(shape.box.upper) + margin)
+    kept = inside.all(axis=1) & (np.abs(sine) > PARALLEL)
+    return points[kept], pairs[kept]
+
+
+def _corner(point: Array, normals: Array, lines: list[Surface]) -> StraightCorner:
+    """The corner whose missing sector is where both `normals` (2, 2) of its lines point."""
+    along = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+    along *= np.sign(np.sum(along * normals[::-1], axis=1))[:, None]  # rays of the sector's border
+    first = 1 if along[0, 0] * along[1, 1] > along[0, 1] * along[1, 0] else 0  # the one behind the sector
+    gap = math.acos(float(np.clip(along[0] @ along[1], -1.0, 1.0)))
     return StraightCorner(
         (float(point[0]) + 0.0, float(point[1]) + 0.0),  # no -0
-        float(rays[after]),
-        float(2 * np.pi - widths[gap]),
-        logic.surfaces[owners[after]],
-        logic.surfaces[owners[gap]],
+        float(np.arctan2(along[first, 1], along[first, 0])) % (2 * math.pi),
+        2 * math.pi - gap,
+        lines[first],
+        lines[1 - first],
     )
