@@ -22,26 +22,29 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
 from rfm.calculus.types import Array
 from rfm.geometry.singular.straight import StraightCorner
 from solvers.background import Background
-from solvers.collar import rows_of
+from solvers.collar import only_volume, rows_of
 from solvers.grid import Grid, Integers
 from solvers.quadrature.batch import PointRule
 from solvers.quadrature.lines import LineRule
 from solvers.quadrature.pieces import gauss
 from solvers.quadrature.tensor import inner_rule
 
+Vertex: TypeAlias = "tuple[float, float]"
+
 CORE = 0.5
 """Cells nearer than this, in cells, are integrated with the corner as origin."""
-RING = 2.0
+RING = 1.0
 """Cells nearer than this get more Gauss points."""
-MORE = 3
+MORE = 2
 """How many more, a direction."""
-RADIAL = 12
+RADIAL = 8
 """Gauss points along a ray, besides those for the degree."""
 
 
@@ -57,8 +60,12 @@ def gaps(grid: Grid, cells: Integers, point: Sequence[float]) -> Array:
 
 def split_at_corners(
     background: Background, corners: Sequence[StraightCorner], degree: int
-) -> tuple[Background, Background]:
-    """Rules far from the corners, and near them; the boundary rules go with the far part."""
+) -> tuple[Background, ...]:
+    """Rules far from the corners, around them, and at them; the boundary rules go with the far part.
+
+    The cells at corners are apart from those around because they have many more points, and rules of cells that are
+    evaluated together are padded to the longest.
+    """
     grid, rules, folded = background.grid, background.rules, background.folded
     state = background.classification.state
     cells = np.argwhere(state >= 0)
@@ -72,32 +79,32 @@ def split_at_corners(
         fans.append(fan(grid, near, corner, degree))
     ring &= ~core
     inner, cut = rules.inner, rules.cut
-    at_inner = {name: mask[tuple(inner.cells.T)] for name, mask in (("core", core), ("ring", ring))}
-    at_cut = {name: mask[tuple(cut.cells.T)] for name, mask in (("core", core), ("ring", ring))}
-    far_inner, far_cut = (~(at["core"] | at["ring"]) for at in (at_inner, at_cut))
+    ring_inner, ring_cut = ring[tuple(inner.cells.T)], ring[tuple(cut.cells.T)]
+    far_inner = ~(ring_inner | core[tuple(inner.cells.T)])
+    far_cut = ~(ring_cut | core[tuple(cut.cells.T)])
     far = replace(
         background,
         rules=replace(rules, inner=rows_of(inner, far_inner), cut=cut.take(np.flatnonzero(far_cut))),
         folded=None if folded is None else rows_of(folded, far_cut),
     )
-    near_rules = replace(
+    around = replace(
         rules,
-        inner=inner_rule(grid, inner.cells[at_inner["ring"]], degree + 1 + MORE),
-        cut=joined([cut.take(np.flatnonzero(at_cut["ring"])), *fans]),
+        inner=inner_rule(grid, inner.cells[ring_inner], degree + 1 + MORE),
+        cut=cut.take(np.flatnonzero(ring_cut)),
         boundary={},
     )
-    return far, replace(background, rules=near_rules, folded=None)
+    return far, replace(background, rules=around, folded=None), only_volume(background, joined(fans))
 
 
-def all_rules(far: Background, near: Background) -> Background:
-    """Both parts in one, for norms."""
-    rules = replace(far.rules, cut=joined([far.rules.cut, near.rules.cut, _points(near)]))
-    return replace(far, rules=rules, folded=None)
+def all_rules(far: Background, around: Background, at: Background) -> Background:
+    """All parts in one, for norms."""
+    cut = joined([far.rules.cut, around.rules.cut, _points(around), at.rules.cut])
+    return replace(far, rules=replace(far.rules, cut=cut), folded=None)
 
 
-def _points(near: Background) -> PointRule:
-    """Tensor rule of the ring as points."""
-    inner = near.rules.inner
+def _points(around: Background) -> PointRule:
+    """Tensor rule around corners as points."""
+    inner = around.rules.inner
     unit, (n, q) = inner.unit_points(), inner.weights.shape
     rows = np.repeat(np.arange(n), q)
     return PointRule.gather(inner.cells, rows, np.tile(unit, (n, 1)), inner.weights.ravel())
@@ -111,48 +118,57 @@ def fan(grid: Grid, cells: Integers, corner: StraightCorner, degree: int) -> Poi
     s, weights = t**beta, radial * beta * t ** (2.0 * beta - 1.0)
     origin = np.array(corner.point)
     rays = [corner.start + share * corner.angle for share in (0.0, 0.5, 1.0)]
-    directions = [np.array([math.cos(a), math.sin(a)]) for a in rays]
-    rows, nodes, values = [], [], []
+    directions = [(math.cos(a), math.sin(a)) for a in rays]
+    rows, sides = [], []
     for row, cell in enumerate(cells):
-        lower = grid.lower + grid.spacing * cell
+        lower = (grid.lower + grid.spacing * cell - origin).tolist()
         for first, second in pairwise(directions):
-            polygon = clipped(clipped(_box(lower - origin, grid.spacing), left(first)), -left(second))
-            for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-                area = float(a[0] * b[1] - a[1] * b[0])
-                if abs(area) < 1e-14 * grid.cell_volume:
-                    continue
-                points = s[:, None, None] * (a + v[:, None] * (b - a))
-                nodes.append(((points + origin - lower) / grid.spacing).reshape(-1, 2))
-                values.append(area * np.outer(weights, angular).ravel())
-                rows.append(np.full(values[-1].size, row))
+            polygon = clipped(clipped(_box(lower, grid.spacing.tolist()), _left(first)), _right(second))
+            for a, b in zip(polygon, [*polygon[1:], *polygon[:1]], strict=True):
+                if abs(a[0] * b[1] - a[1] * b[0]) > 1e-14 * grid.cell_volume:
+                    rows.append(row)
+                    sides.append((a, b))
     if not rows:
         return PointRule.gather(cells, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros(0))
-    return PointRule.gather(cells, np.concatenate(rows), np.concatenate(nodes), np.concatenate(values))
+    a, b = np.moveaxis(np.array(sides), 1, 0)
+    areas = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    points = s[:, None, None] * (a[:, None] + v[:, None] * (b - a)[:, None])[:, None]  # (sides, s, v, 2)
+    corners = (grid.corners(cells)[rows] - origin)[:, None, None]
+    return PointRule.gather(
+        cells,
+        np.repeat(rows, len(s) * len(v)),
+        ((points - corners) / grid.spacing).reshape(-1, 2),
+        (areas[:, None, None] * np.multiply.outer(weights, angular)).ravel(),
+    )
 
 
-def _box(lower: Array, width: Array) -> Array:
+def _box(lower: Vertex, width: Vertex) -> list[Vertex]:
     """Vertices of a cell, counter-clockwise."""
-    box: Array = lower + width * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    return box
+    (x, y), (dx, dy) = lower, width
+    return [(x, y), (x + dx, y), (x + dx, y + dy), (x, y + dy)]
 
 
-def left(direction: Array) -> Array:
+def _left(direction: Vertex) -> Vertex:
     """Normal to the left of a direction."""
-    return np.asarray([-direction[1], direction[0]], dtype=float)
+    return -direction[1], direction[0]
 
 
-def clipped(polygon: Array, normal: Array) -> Array:
-    """Part of a convex polygon (n, 2) with ``normal . x >= 0``."""
+def _right(direction: Vertex) -> Vertex:
+    """Normal to the right of a direction."""
+    return direction[1], -direction[0]
+
+
+def clipped(polygon: Sequence[Vertex], normal: Vertex) -> list[Vertex]:
+    """Part of a convex polygon with ``normal . x >= 0``; plain numbers, because there are only a few."""
     found = []
-    heights = polygon @ normal if len(polygon) else np.zeros(0)
-    for p, q, here, there in zip(
-        polygon, np.roll(polygon, -1, axis=0), heights, np.roll(heights, -1), strict=True
-    ):
+    for p, q in zip(polygon, [*polygon[1:], *polygon[:1]], strict=True):
+        here, there = (normal[0] * x + normal[1] * y for x, y in (p, q))
         if here >= 0.0:
             found.append(p)
         if here * there < 0.0:
-            found.append(p + (q - p) * (here / (here - there)))
-    return np.array(found).reshape(-1, 2)
+            t = here / (here - there)
+            found.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+    return found
 
 
 def joined(rules: Sequence[LineRule | PointRule]) -> PointRule:

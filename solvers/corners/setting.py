@@ -36,7 +36,7 @@ def with_corners(structure: Structure, corners: CornerSpace | None) -> Structure
 
 
 def cornered(structure: Structure, background: Background, corners: CornerSpace) -> Setting:
-    """Splines and corner functions; one region far from the corners, one near them."""
+    """Splines and corner functions; regions far from the corners, around and at them."""
     near = [enriched.corner for enriched in corners.corners]
     regions = tuple(
         Region(structure, part) for part in split_at_corners(background, near, background.space.degree)

@@ -76,8 +76,10 @@ def _supported(expression: Expression, edges: Sequence[Literal], vertices: Array
     supporting: list[Expression] = []
     for literal in dict.fromkeys(edges):
         values = literal.surface.function(*vertices.T) * (1.0 if literal.positive else -1.0)
+        if values.min() < -SUPPORTS * scale or literal in getattr(expression, "terms", ()):
+            continue
         rest = assuming(expression, literal.surface, literal.positive)
-        if values.min() >= -SUPPORTS * scale and isinstance(rest, Expression):
+        if isinstance(rest, Expression):
             supporting.append(literal)
             expression = rest
     return conjunction([expression, *supporting])
