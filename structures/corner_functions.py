@@ -24,6 +24,9 @@ Polynomials that vanish on the edges with given values are products of the dista
 and are of no help of their own: but the weight of two edges at a re-entrant corner is their R-disjunction, like r, so
 psi = u/w of the smoothest u has a kink there, and the splines alone would have order two in the gradient.
 
+With a reaction, or data g that are themselves singular, products :math:`r^{2j} S_k` belong to the solution as well:
+:math:`\Delta (r^{2j} S_k) = 4j(j + \lambda_k)\, r^{2j-2} S_k`.
+
 All functions are zero where values are given on the two edges, to rounding, and their derivatives are known in closed
 form: those of a holomorphic function F(z) are :math:`\partial_x^a \partial_y^b F = i^b F^{(a+b)}`.
 """
@@ -37,8 +40,8 @@ from math import comb, pi
 
 import numpy as np
 
-from rfm.calculus.jets import multi_indices
-from rfm.calculus.types import Array
+from rfm.calculus.jets import multi_indices, partials
+from rfm.calculus.types import Array, Value
 from rfm.geometry.singular.straight import StraightCorner
 
 WHOLE = 1e-9
@@ -61,12 +64,15 @@ class CornerFunctions:
         Largest exponent.
     reach
         Unit of length: with the distance to the farthest point of the domain all powers stay below one.
+    radial
+        Whether the products with powers of r^2 are there too.
     """
 
     corner: StraightCorner
     held: tuple[bool, bool]
     degree: float
     reach: float
+    radial: bool = False
 
     @cached_property
     def exponents(self) -> tuple[float, ...]:
@@ -85,7 +91,7 @@ class CornerFunctions:
     @property
     def count(self) -> int:
         """Number of functions."""
-        return len(self.exponents) + int(self._coefficients.shape[1])
+        return len(self.exponents) + int(self._coefficients.shape[1]) + len(self._products)
 
     @property
     def intensity_factor(self) -> float:
@@ -95,14 +101,13 @@ class CornerFunctions:
     def table(self, x: Array, y: Array, order: int) -> Array:
         """Partial derivatives of all functions at points (n,), shape (n_alpha, count, n).
 
-        First those of the exponents, then those of the resonances, then polynomials.  At the corner itself, where
-        derivatives are infinite, they are those at a tiny distance; values are zero there.
+        First those of the exponents, then those of the resonances, then polynomials, then products with powers of r^2.
+        At the corner itself, where derivatives are infinite, they are those at a tiny distance; values are zero there.
         """
         angle, start = self.corner.angle, self.corner.start
         local = ((x - self.corner.point[0]) + 1j * (y - self.corner.point[1])) * (1.0 / self.reach)
-        turned = local * np.exp(
-            -1j * (start + 0.5 * angle)
-        )  # the bisector is real: the cut lies opposite, outside
+        # the bisector is turned to the real axis: the cut lies opposite, outside
+        turned = local * np.exp(-1j * (start + 0.5 * angle))
         distance = np.abs(turned)
         radius = np.maximum(distance, NEAREST)
         logarithm = np.log(radius) + 1j * (np.angle(turned) + 0.5 * angle)
@@ -113,12 +118,33 @@ class CornerFunctions:
         alphas = multi_indices(2, order)
         result = np.empty((len(alphas), self.count, len(x)))
         singular, smooth = len(self.exponents), len(analytic[0])
+        last = self.count - len(self._products)
         for row, (a, b) in enumerate(alphas):
             values = analytic[a + b] * (step ** (a + b) * 1j**b)
             result[row, :smooth] = values.imag if self.held[0] else values.real
-            result[row, smooth:] = 0.0
-            result[row, singular:] += self._derived(a, b) @ monomials
+            result[row, smooth:last] = 0.0
+            result[row, singular:last] += self._derived(a, b) @ monomials
+        if self._products:
+            squared = partials(self._squared_distance, (x, y), order)
+            for row, (k, power) in enumerate(self._products, start=last):
+                before = k if power == 1 else row - 1
+                result[:, row : row + 1] = times(squared, result[:, before : before + 1], order)
         return result
+
+    @cached_property
+    def _products(self) -> list[tuple[int, int]]:
+        """Numbers of exponents and powers of r^2 with which they stay up to the degree, those of one in a row."""
+        if not self.radial:
+            return []
+        return [
+            (k, power)
+            for k, exponent in enumerate(self.exponents)
+            for power in range(1, int(0.5 * (self.degree - exponent)) + 1)
+        ]
+
+    def _squared_distance(self, x: Value, y: Value) -> Value:
+        dx, dy = x - self.corner.point[0], y - self.corner.point[1]
+        return (dx * dx + dy * dy) * (1.0 / self.reach**2)
 
     def _analytic(self, logarithm: Array, order: int) -> list[Array]:
         """Powers of zeta, then zeta^m log zeta, and their derivatives, each (number of both, n)."""
@@ -220,6 +246,18 @@ class CornerFunctions:
         for row, (i, j) in enumerate(self._powers):
             np.multiply(xs[i], ys[j], out=found[row])
         return found
+
+
+def times(factor: Array, table: Array, order: int) -> Array:
+    """Leibniz' rule: partial derivatives (n_alpha, n) of a factor times those (n_alpha, k, n) of functions."""
+    rows = {alpha: k for k, alpha in enumerate(multi_indices(2, order))}
+    result: Array = factor[0] * table
+    for (a, b), row in rows.items():
+        for (c, d), other in rows.items():
+            if c <= a and d <= b and other:
+                binomial = comb(a, c) * comb(b, d)
+                result[row] += (binomial * factor[other]) * table[rows[a - c, b - d]]
+    return result
 
 
 def _vanishing(held: tuple[bool, bool], sine: float, cosine: float) -> dict[tuple[int, int], float]:

@@ -30,7 +30,7 @@ from solvers.equations.poisson import Poisson
 from solvers.grid import Grid
 from solvers.problem import Dirichlet, Discretization, Neumann, Problem, Robin
 from structures.contact import boundary_points
-from structures.corner_functions import CornerFunctions
+from structures.corner_functions import CornerFunctions, times
 from structures.fading import VANISHED, Window, fading
 
 AUTO, CORNERS, OFF = "auto", "corners", "none"
@@ -77,18 +77,6 @@ class Enriched:
             partials(self.factor, there, order), self.functions.table(*there, order), order
         )
         return result
-
-
-def times(factor: Array, table: Array, order: int) -> Array:
-    """Leibniz' rule: jets (n_alpha, n) of a factor times jets (n_alpha, k, n)."""
-    rows = {alpha: k for k, alpha in enumerate(multi_indices(2, order))}
-    result: Array = factor[0] * table
-    for (a, b), row in rows.items():
-        for (c, d), other in rows.items():
-            if c <= a and d <= b and other:
-                binomial = math.comb(a, c) * math.comb(b, d)
-                result[row] += (binomial * factor[other]) * table[rows[a - c, b - d]]
-    return result
 
 
 def unsuitable(method: str, device: str, problem: Problem, discretization: Discretization) -> str | None:
@@ -166,7 +154,16 @@ def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched
         reach = _clearance(domain, corner)
         factor = Window(corner.point, reach / VANISHED)
     size = max(math.dist(corner.point, p) for p in _box_corners(domain))
-    return Enriched(CornerFunctions(corner, held, highest(degree), size), factor, reach)
+    functions = CornerFunctions(corner, held, highest(degree), size, _has_products(problem))
+    return Enriched(functions, factor, reach)
+
+
+def _has_products(problem: Problem) -> bool:
+    """Whether the solution may hold products of singular functions with r^2: of a reaction, or of what is given."""
+    equation = problem.equation
+    reaction = getattr(equation, "reaction", 0.0)
+    given = (c.value for c in problem.conditions if isinstance(c, Dirichlet))
+    return callable(reaction) or reaction != 0 or any(callable(v) or v != 0 for v in given)
 
 
 def _is_sector(domain: Shape, corner: StraightCorner, radius: float) -> bool:

@@ -99,3 +99,18 @@ def test_factors_are_one_at_the_corner_to_their_order():
     window = Window((0.0, 0.0), 0.5)
     assert partials(window, (0.0, 0.0), 3).ravel() == pytest.approx([1.0] + [0.0] * 9)
     assert abs(window(0.5 * VANISHED, 0.0)) < 3e-16
+
+
+@pytest.mark.parametrize("held", HELD)
+def test_products_with_the_squared_radius(held):
+    plain = functions(1.5 * math.pi, held)
+    one = CornerFunctions(plain.corner, held, plain.degree, plain.reach, radial=True)
+    x, y = along(one, 2.0, np.array([0.5, 0.9]))
+    jets, radius = one.table(x, y, 2), np.array([0.5, 0.9]) / one.reach
+    assert np.array_equal(jets[:, : plain.count], plain.table(x, y, 2))
+    pairs = one._products
+    assert pairs[:2] == [(0, 1), (0, 2)]
+    for row, (k, j) in enumerate(pairs, start=plain.count):
+        assert jets[0, row] == pytest.approx(radius ** (2 * j) * jets[0, k])
+        laplacian = 4 * j * (j + one.exponents[k]) * radius ** (2 * j - 2) * jets[0, k] / one.reach**2
+        assert jets[3, row] + jets[5, row] == pytest.approx(laplacian)
