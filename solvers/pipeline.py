@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -21,7 +21,7 @@ from solvers.corners.space import CornerSpace
 from solvers.data import require_finite
 from solvers.device.backend import NONE
 from solvers.device.processes import telling
-from solvers.equations.density import Density
+from solvers.equations.density import Blocks, Density, Loads
 from solvers.flux_conditions import has_flux
 from solvers.kernel import excess, kernel_of
 from solvers.linear.bordered import solve_bordered
@@ -40,7 +40,7 @@ from solvers.smoothness import rough_cells
 from solvers.solution import Piece, Solution, Trial
 from solvers.stopwatch import Listener, Stopwatch
 from solvers.systems import EnergySystem
-from solvers.threads import on_one_thread
+from solvers.threads import ahead, on_one_thread
 from structures.jet_matrix import JetMatrix, stacked
 from structures.operator import Operator
 
@@ -192,32 +192,34 @@ class Assembly:
         total = len(rules.inner.cells) + len(rules.cut.cells)
         done = 0
         size = chunk_of(self.assembler.spaces)
-        for batch in rules.inner.chunks(size):
-            self.add_volume(batch)
+        for batch, found in ahead(self.volume, rules.inner.chunks(size)):
+            self.assembler.add(batch, *found)
             done += len(batch.cells)
             watch.advance(done, total)
-        if folded is None:
-            for piece in rules.cut.chunks(size):
-                self.add_volume(piece)
-        else:
-            for fitted, where in cut_chunks(folded, size):
-                rough = self.add_folded(fitted)
-                for piece in rules.cut.take(where.start + np.flatnonzero(rough)).chunks(size):
-                    self.add_volume(piece)
-                watch.advance(done + where.stop, total)
+        rest: Iterable[PointBatch] = rules.cut.chunks(size)
+        if folded is not None:
+            left_out = [np.zeros(0, dtype=bool)]
+            for fitted, (blocks, loads, rough_ones) in ahead(self.folded, folded.chunks(size)):
+                self.assembler.add(fitted, blocks, loads)
+                left_out.append(rough_ones)
+                done += len(fitted.cells)
+                watch.advance(done, total)
+            rest = rules.cut.take(np.flatnonzero(np.concatenate(left_out))).chunks(size)
+        for piece, found in ahead(self.volume, rest):
+            self.assembler.add(piece, *found)
         self.add_boundary()
 
-    def add_volume(self, batch: TensorBatch | PointBatch) -> None:
-        """Add the functional over `batch`, whose nodes all lie in the domain."""
+    def volume(self, batch: TensorBatch | PointBatch) -> tuple[Blocks, Loads]:
+        """Blocks and loads of the functional at the points of `batch`, which all lie in the domain."""
         coords = ordered_points(batch, self.background.grid)
         density = self.method.volume(self.problem, coords)
         jet = stacked(self.structure, coords, self.method.order(self.problem))
         require_finite("solution structure", self.structure, coords, jet.offset)
         blocks, loads = density.pull_back(jet, ordered_weights(batch))
-        self.assembler.add(batch, by_cell(batch, blocks), by_cell(batch, loads))
+        return by_cell(batch, blocks), by_cell(batch, loads)
 
-    def add_folded(self, batch: TensorBatch) -> NDArray[np.bool_]:
-        """Add the functional over the cut cells of a moment-fitted `batch`, except where it cannot be trusted.
+    def folded(self, batch: TensorBatch) -> tuple[Blocks, Loads, NDArray[np.bool_]]:
+        """Blocks and loads over the cut cells of a moment-fitted `batch`, zero where they cannot be trusted.
 
         Its nodes fill the whole cell, so the formulas are also evaluated just outside the domain.  A cell is left
         out when they are not finite there or do not continue smoothly across the boundary, and where a spline has
@@ -225,8 +227,8 @@ class Assembly:
 
         Returns
         -------
-        ndarray of bool
-            The cells left out, whose fine rule has to be used instead.
+        tuple
+            Blocks, loads, and the cells left out, whose fine rule has to be used instead.
         """
         coords = ordered_points(batch, self.background.grid)
         with np.errstate(all="ignore"):
@@ -242,12 +244,11 @@ class Assembly:
         if rough.any():
             for array in weighted.values():
                 array[:, rough] = 0.0
-        self.assembler.add(
-            batch,
+        return (
             {key: weighted[id(array)].T for key, array in blocks.items()},
             {key: weighted[id(array)].T for key, array in loads.items()},
+            rough,
         )
-        return rough
 
     def add_boundary(self) -> None:
         """Add the natural conditions."""
@@ -277,11 +278,3 @@ def chunk_of(spaces: Sequence[Space]) -> int:
     """Points to take at a time: fewer where functions that live on all cells are tabulated at each."""
     everywhere = sum(space.n_dofs for space in spaces if isinstance(space, CornerSpace))
     return min(CHUNK, TABLE // everywhere) if everywhere else CHUNK
-
-
-def cut_chunks(folded: TensorBatch, size: int) -> Iterator[tuple[TensorBatch, slice]]:
-    """Pieces of about `size` points of the folded rule together with the rows they come from."""
-    step = max(1, size // folded.weights.shape[1])
-    for start in range(0, len(folded.cells), step):
-        where = slice(start, min(start + step, len(folded.cells)))
-        yield folded.take(where), where

@@ -72,7 +72,7 @@ def sample(what: Shape | Field, points: Array, order: int = 1, threads: int | No
         raise GeometryError(f"points must be an array {wanted}, got shape {points.shape}")
     if not np.isfinite(points).all():
         raise GeometryError("points must be finite")
-    workers = _default_threads() if threads is None else threads
+    workers = default_threads() if threads is None else threads
     if workers < 1:
         raise GeometryError(f"threads must be at least 1, got {threads}")
     field = what.membership if isinstance(what, Shape) else what
@@ -197,7 +197,8 @@ def _own(surface: Surface) -> Field:
     return surface.function
 
 
-def _default_threads() -> int:
+def default_threads() -> int:
+    """Cores this process may use, but no more than ``OMP_NUM_THREADS``."""
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     limit = os.environ.get("OMP_NUM_THREADS", "")
     return max(1, min(allowed, int(limit))) if limit.isdigit() else allowed
