@@ -4,6 +4,12 @@ A moment-fitted rule is as good as the polynomial interpolant of the integrand a
 interpolant is expanded in Legendre polynomials, :math:`f = \sum_k c_k P_{k_1}(x_1)\cdots P_{k_d}(x_d)`; for a
 smooth function the coefficients decay geometrically, for a kink or a jump they do not.  So the size of
 the coefficients of the two highest degrees, relative to the largest, is the test.
+
+With few nodes a smooth function may still fail it where cells are large.  Then the decay decides: let a, b and c be the
+largest value and the largest coefficients of the two degrees below the highest two and of these.  A geometric
+sequence has :math:`a c = b^2`, coefficients of entire functions and of polynomials fall faster; a kink so weak that
+c is some thousandths of a has an :math:`a c` of many times :math:`b^2`, because b is hardly larger than c.  (A ball
+without a cylinder, p = 2, 40 cells across: 176 of 8896 cut cells are rough instead of 4400, the error is the same.)
 """
 
 from __future__ import annotations
@@ -17,7 +23,11 @@ from numpy.typing import NDArray
 from rfm.calculus.types import Array
 
 TOLERANCE = 1e-4
-"""Relative size of the highest Legendre coefficients above which a cell counts as rough."""
+"""Relative size of the highest Legendre coefficients up to which a cell counts as smooth."""
+WEAK = 3e-3
+"""Relative size up to which it does when the coefficients decay fast."""
+DECAY = 0.5
+"""Largest ``a c / b^2`` of a fast decay."""
 
 
 @lru_cache(maxsize=32)
@@ -48,18 +58,27 @@ def rough_cells(functions: Sequence[Array], nodes: Array, dim: int) -> NDArray[n
     """
     m = len(nodes)
     rough = np.zeros(functions[0].shape[1], dtype=bool)
-    highest = legendre_transform(m)[-2:]
     for values in {id(f): f for f in functions}.values():
         if not np.isfinite(values.sum()):
             finite = np.asarray(np.isfinite(values).all(axis=0))
             rough |= ~finite
             values = np.where(finite, values, 0.0)
-        limit = TOLERANCE * _largest(values)
+        largest = _largest(values)
         for axis in range(dim):
-            # only the two highest degrees along this axis; the other axes stay nodal values
-            tail = np.matmul(highest, values.reshape(m**axis, m, -1))
-            rough |= _largest(tail.reshape(-1, len(rough))) > limit
+            tail = _coefficients(values, axis, m, slice(m - 2, m))
+            doubtful = np.flatnonzero(tail > TOLERANCE * largest)
+            if len(doubtful) and m >= 6:
+                before = _coefficients(values[:, doubtful], axis, m, slice(m - 4, m - 2))
+                a, c = largest[doubtful], tail[doubtful]
+                doubtful = doubtful[(c > WEAK * a) | (a * c > DECAY * before**2)]
+            rough[doubtful] = True
     return rough
+
+
+def _coefficients(values: Array, axis: int, m: int, degrees: slice) -> Array:
+    """Largest coefficients of some degrees along one axis, at the nodes of the others, cell by cell."""
+    found = np.matmul(legendre_transform(m)[degrees], values.reshape(m**axis, m, -1))
+    return _largest(found.reshape(-1, values.shape[1]))
 
 
 def _largest(values: Array) -> Array:
