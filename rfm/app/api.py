@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from rfm.app.build import build_discretization, build_problem
 from rfm.app.case import Case, load_case
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
+    from rfm.app.record import RunRecord
+    from rfm.app.restored import Restored
     from rfm.app.run import Result
     from rfm.calculus.types import Array
     from solvers.solution import Trial
@@ -36,12 +35,15 @@ class Run:
         As in ``summary.json``.
     result
         What was computed in this process; None for a run loaded from a file.
+    restored
+        What was loaded from a file.
     """
 
     case: Case
     trial: Trial
     summary: Mapping[str, Any]
     result: Result | None = None
+    restored: Restored | None = None
 
     def u(self, points: ArrayLike) -> Array:
         """Values of u at points (n, d), shape (n,), of a vector (n, d); meaningful inside the domain."""
@@ -65,13 +67,14 @@ class Run:
 
         return write_run(self._record(), directory)
 
-    def _record(self) -> Any:
+    def _record(self) -> RunRecord:
         from rfm.app.run import record_of
 
-        result = self.result if self.result is not None else solve(self.case).result
-        if result is None:
+        if self.restored is not None:
+            return self.restored.record()
+        if self.result is None:
             raise RuntimeError("a solved run has its result")
-        return record_of(result)
+        return record_of(self.result)
 
 
 def solve(
@@ -110,29 +113,7 @@ def load(path: str | Path) -> Run:
     StorageError
         The file is no solution of this program.
     """
-    from rfm.app import storage
-    from solvers.bases.registry import basis
-    from solvers.corners.setting import corner_space, settled
-    from solvers.grid import Grid
-    from solvers.materials import stored_trial
+    from rfm.app.restored import restore
 
-    stored = storage.load(path)
-    case = load_case(stored.case)
-    problem = build_problem(case)
-    discretization = build_discretization(case, problem.domain)
-    grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
-    family = basis(stored.basis)
-    discretization = settled(discretization, case.solver.method, case.solver.device, problem)
-    corners = corner_space(problem, discretization, grid) if stored.more else None
-    if corners is None:
-        discretization = replace(discretization, singular="none")
-    splines = (
-        family.load(grid, stored.degree, stored.coefficients),
-        *(
-            family.load(grid, other.degree, other.coefficients)
-            if corners is None
-            else corners.load(other.coefficients)
-            for other in stored.more
-        ),
-    )
-    return Run(case, stored_trial(problem, discretization, grid, splines), stored.summary)
+    restored = restore(path)
+    return Run(restored.case, restored.trial, restored.stored.summary, restored=restored)

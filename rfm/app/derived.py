@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from rfm.app.record import PointFunction
     from solvers.exact import Exact
     from solvers.problem import Problem
-    from solvers.solution import Solution
+    from solvers.solution import Trial
 
 
-def derived(solution: Solution, points: Array) -> dict[str, dict[str, Array]]:
-    """Derived quantities at points (n, d) by kind and name, each of shape (n,)."""
+def derived(problem: Problem, trial: Trial, points: Array) -> dict[str, dict[str, Array]]:
+    """Derived quantities of a field at points (n, d) by kind and name, each of shape (n,)."""
     where = np.atleast_2d(np.asarray(points, dtype=float))
-    equation = solution.problem.equation
-    jet = solution.trial.at(where, equation.order)
+    equation = problem.equation
+    jet = trial.at(where, equation.order)
     found = equation.derived(list(where.T), jet)
-    for inclusion in solution.problem.inclusions:
+    for inclusion in problem.inclusions:
         inside = np.asarray(inclusion.region.membership(*where.T)) >= 0
         own = inclusion.equation.derived(list(where.T), jet)
         found = {
@@ -33,13 +33,13 @@ def derived(solution: Solution, points: Array) -> dict[str, dict[str, Array]]:
     return found
 
 
-def pictured(solution: Solution) -> dict[str, PointFunction]:
+def pictured(problem: Problem, trial: Trial) -> dict[str, PointFunction]:
     """Derived quantities that files and pictures show beside the solution, by name."""
-    return {name: partial(_one, solution, name) for name in solution.problem.equation.pictured}
+    return {name: partial(_one, problem, trial, name) for name in problem.equation.pictured}
 
 
-def _one(solution: Solution, name: str, points: Array) -> Array:
-    return next(values[name] for values in derived(solution, points).values() if name in values)
+def _one(problem: Problem, trial: Trial, name: str, points: Array) -> Array:
+    return next(values[name] for values in derived(problem, trial, points).values() if name in values)
 
 
 def everywhere(problem: Problem) -> Exact | None:

@@ -41,7 +41,7 @@ def probes(case: Case, solution: Solution) -> dict[str, dict[str, Any]]:
             "gradient": solution.gradient([point])[0].tolist(),
             **{
                 kind: {key: float(values[0]) for key, values in found.items()}
-                for kind, found in derived(solution, np.array([point])).items()
+                for kind, found in derived(solution.problem, solution.trial, np.array([point])).items()
             },
         }
     return results

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,9 @@ from rfm.app.summary import Miss, misses, summarise
 from rfm.errors import RfmError
 
 if TYPE_CHECKING:
-    from solvers.solution import Solution
+    from solvers.classify import Classification
+    from solvers.problem import Discretization, Problem
+    from solvers.solution import Solution, Trial
     from solvers.stopwatch import Listener
 
 
@@ -84,36 +87,59 @@ def compute(case: Case, listener: Listener | None = None) -> Result:
 
 def record_of(result: Result, study: tuple[dict[str, Any], ...] | None = None) -> RunRecord:
     """Everything files, pictures and the report are made of."""
-    case, solution = result.case, result.solution
-    trial, background, linear = solution.trial, solution.background, solution.linear
-    residuals = tuple(
-        Residual(
-            c.part.name, given.kind, _data_text(given), result.summary["boundary_error"].get(c.part.name, 0.0)
-        )
-        for c, given in zip(solution.problem.conditions, case.boundary_conditions, strict=True)
+    solution = result.solution
+    return make_record(
+        result.case,
+        solution.problem,
+        solution.discretization,
+        solution.trial,
+        solution.background.classification,
+        result.summary,
+        Provenance.collect(result.started),
+        study,
     )
+
+
+def make_record(
+    case: Case,
+    problem: Problem,
+    discretization: Discretization,
+    trial: Trial,
+    classification: Classification,
+    summary: Mapping[str, Any],
+    provenance: Provenance,
+    study: tuple[dict[str, Any], ...] | None = None,
+) -> RunRecord:
+    """Record of a field that was solved for just now, or loaded."""
+    residuals = tuple(
+        Residual(c.part.name, given.kind, _data_text(given), summary["boundary_error"].get(c.part.name, 0.0))
+        for c, given in zip(problem.conditions, case.boundary_conditions, strict=True)
+    )
+    linear = summary["linear"]
     return RunRecord(
         name=case.name,
         title=case.title or case.name,
         case=case.to_dict(),
-        summary=result.summary,
-        domain=solution.problem.domain,
-        grid=background.grid,
-        classification=background.classification,
+        summary=summary,
+        domain=problem.domain,
+        grid=trial.grid,
+        classification=classification,
         degree=trial.degree,
-        basis=solution.discretization.basis,
+        basis=discretization.basis,
         coefficients=trial.splines[0].coefficients,
         more=tuple(FurtherSpline(psi.degree, psi.coefficients) for psi in trial.splines[1:]),
-        u=solution.u,
-        gradient=solution.gradient,
-        derived=pictured(solution),
-        provenance=Provenance.collect(result.started),
-        exact=everywhere(solution.problem),
+        u=trial.values,
+        gradient=trial.gradient,
+        derived=pictured(problem, trial),
+        provenance=provenance,
+        exact=everywhere(problem),
         residuals=residuals,
-        timings=result.summary["seconds"],
-        linear=LinearFacts(linear.method, linear.reason, solution.dofs, linear.residual, linear.iterations),
+        timings=summary["seconds"],
+        linear=LinearFacts(
+            linear["method"], linear["reason"], summary["dofs"], linear["residual"], linear["iterations"]
+        ),
         study=study,
-        singularities=singularities(solution),
+        singularities=singularities(problem, discretization),
     )
 
 

@@ -12,7 +12,7 @@ from rfm.calculus.types import Array, Field
 if TYPE_CHECKING:
     from rfm.geometry.shape import Shape
     from rfm.geometry.surface import Surface
-    from solvers.solution import Solution
+    from solvers.problem import Discretization, Problem
 
 MOST_SURFACES = {2: 250, 3: 16}
 """Surfaces up to which the search takes little time."""
@@ -52,17 +52,16 @@ class Singularity:
         return f"{_shown(first)} to {_shown(last)}"
 
 
-def singularities(solution: Solution) -> tuple[Singularity, ...]:
+def singularities(problem: Problem, discretization: Discretization) -> tuple[Singularity, ...]:
     """Corners of a plane domain or edges of a solid; none where there are too many surfaces to look for them."""
     from rfm.geometry.weight import weight
     from solvers.problem import Clamped, Dirichlet, SimplySupported
 
-    problem = solution.problem
     domain = problem.domain
     if len(domain.surfaces) > MOST_SURFACES[domain.dimension] or not domain.box.finite:
         return ()
     held = [c.part for c in problem.conditions if isinstance(c, Dirichlet | Clamped | SimplySupported)]
-    chosen = solution.discretization.weight
+    chosen = discretization.weight
     own = chosen if callable(chosen) else weight(domain, held, chosen)
     vanishing = own if held else None
     return _corners(domain, vanishing) if domain.dimension == 2 else _edges(domain, vanishing)
