@@ -68,15 +68,17 @@ def available_bytes() -> float:
     return min(free, _container_limit())
 
 
-def require_memory(domain: Shape, discretization: Discretization, components: int = 1) -> None:
-    """Refuse a discretisation that would not fit.
+def require_memory(
+    domain: Shape, discretization: Discretization, components: int = 1, share: float = 1.0
+) -> None:
+    """Refuse a discretisation that would not fit into a share of the available memory.
 
     Raises
     ------
     DiscretizationError
         Names the memory it would need, what is there, and the flag that allows it.
     """
-    needed, available = required_bytes(domain, discretization, components), available_bytes()
+    needed, available = required_bytes(domain, discretization, components), share * available_bytes()
     if needed > FRACTION * available:
         cells = " x ".join(f"{n:.0f}" for n in grid_cells(domain, discretization))
         raise DiscretizationError(
@@ -85,8 +87,8 @@ def require_memory(domain: Shape, discretization: Discretization, components: in
         )
 
 
-def refuse_large(case: Case) -> None:
-    """Refuse a case that would not fit into memory (see :func:`require_memory`)."""
+def refuse_large(case: Case, share: float = 1.0) -> None:
+    """Refuse a case that would not fit into a share of the memory (see :func:`require_memory`)."""
     from rfm.app.build import build_discretization, build_domain, located
 
     domain = build_domain(case)
@@ -95,6 +97,7 @@ def refuse_large(case: Case) -> None:
             domain,
             build_discretization(case, domain),
             len(case.unknowns) * (2 if case.equation.inclusions else 1),
+            share,
         )
     except DiscretizationError as error:
         raise located(case, error) from error

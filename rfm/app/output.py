@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ class Results:
 
     record: RunRecord
     directory: Path
+    names: Sequence[str] = RUN_FILES
 
     @cached_property
     def samples(self) -> Samples:
@@ -40,7 +41,9 @@ class Results:
         """The record, its summary naming the files."""
         from dataclasses import replace
 
-        return replace(self.record, summary={**self.record.summary, "files": file_paths(self.directory)})
+        return replace(
+            self.record, summary={**self.record.summary, "files": file_paths(self.directory, self.names)}
+        )
 
 
 def _summary(results: Results) -> bytes:
@@ -77,9 +80,15 @@ WRITERS: dict[str, Callable[[Results], bytes]] = dict(
 """What makes the content of each file."""
 
 
-def file_paths(directory: str | Path) -> dict[str, str]:
+def file_paths(directory: str | Path, names: Sequence[str] = RUN_FILES) -> dict[str, str]:
     """Paths of the files of a run in `directory`, by their names without endings (``report``)."""
-    return {Path(name).stem: str(Path(directory) / name) for name in RUN_FILES}
+    return {Path(name).stem: str(Path(directory) / name) for name in names}
+
+
+def contents(record: RunRecord, directory: str | Path, names: Sequence[str] = RUN_FILES) -> dict[str, bytes]:
+    """Content of files of a run by name, for a `directory` that somebody else writes."""
+    results = Results(record, Path(directory), names)
+    return {name: WRITERS[name](results) for name in names}
 
 
 def write_run(

@@ -23,6 +23,9 @@ from rfm.errors import RfmError
 RUN_FILES = ("summary.json", "solution.h5", "field.vtu", "picture.png", "report.html")
 """The files of a run directory; what else is in there belongs to the user."""
 
+STUDY_FILE = "study.json"
+"""By this file a directory is known as that of a study; its runs are in a directory of their own."""
+
 REASONS = {
     errno.ENOSPC: "no space left on the disk",
     errno.EDQUOT: "the disk quota is exhausted",
@@ -104,7 +107,7 @@ def replacing(directory: str | Path) -> Iterator[Path]:
         raise _refused(directory, error) from error
     finally:
         if partial is not None and complete:
-            _discard(partial)  # it may be the previous run by now, with the user's own files in it
+            discard(partial)  # it may be the previous run by now, with the user's own files in it
         elif partial is not None:
             shutil.rmtree(partial, ignore_errors=True)
 
@@ -128,7 +131,7 @@ def _holds_something_else(directory: Path) -> bool:
         names = {entry.name for entry in directory.iterdir()}
     except OSError as error:
         raise _refused(directory, error) from error
-    return bool(names) and names.isdisjoint(RUN_FILES)
+    return bool(names) and names.isdisjoint((*RUN_FILES, STUDY_FILE))
 
 
 def _put_in_place(partial: Path, target: Path) -> None:
@@ -189,10 +192,10 @@ def _sweep(target: Path) -> None:
     for leftover in target.parent.glob(f".{target.name}.{_host_tag()}-*-*.partial"):
         process = leftover.name.split("-")[-2]
         if process.isdigit() and not _alive(int(process)):
-            _discard(leftover)
+            discard(leftover)
 
 
-def _discard(directory: Path) -> None:
+def discard(directory: Path) -> None:
     """Remove the files of a run, and the directory when nothing else is in it."""
     with suppress(OSError):
         for name in RUN_FILES:

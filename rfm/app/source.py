@@ -77,6 +77,14 @@ def excerpt(line: str, column: int) -> str:
     return f"    {shown}\n    {' ' * caret}^"
 
 
+@dataclass(frozen=True)
+class Override:
+    """A value that replaced one of the file: its text, and the option of the command that gave it."""
+
+    text: str
+    option: str = "--set"
+
+
 @dataclass
 class Document:
     """Data of a case with the places where its values were written.
@@ -92,14 +100,14 @@ class Document:
     entries
         Marks in `text`, by path.
     overrides
-        Text of the overrides, by the path that each replaced.
+        Values that replaced those of the text, by path.
     """
 
     name: str
     text: str
     data: dict[str, Any]
     entries: dict[Path, Entry] = field(default_factory=dict)
-    overrides: dict[Path, str] = field(default_factory=dict)
+    overrides: dict[Path, Override] = field(default_factory=dict)
 
     def error(self, path: Path, message: str, *, offset: int | None = None, key: bool = False) -> CaseError:
         """Error at a path.
@@ -118,11 +126,10 @@ class Document:
         written, found = self._written(path)
         if found is None:
             return CaseError(message, path=dotted(path), place=self.name)
-        if isinstance(found, str):
-            shown = excerpt(found, offset + 1) if offset is not None else ""
-            return CaseError(
-                message, path=dotted(path), place=f"--set {dotted(written)}={found}", excerpt=shown
-            )
+        if isinstance(found, Override):
+            shown = excerpt(found.text, offset + 1) if offset is not None else ""
+            place = f"{found.option} {dotted(written)}={found.text}"
+            return CaseError(message, path=dotted(path), place=place, excerpt=shown)
         at_key = found.key is not None and (key or written != path)
         mark = found.key if at_key and found.key is not None else found.value
         line, column = mark.line, mark.column
@@ -132,8 +139,8 @@ class Document:
         shown = excerpt(lines[line - 1], column) if line <= len(lines) else ""
         return CaseError(message, path=dotted(path), place=f"{self.name}:{line}:{column}", excerpt=shown)
 
-    def _written(self, path: Path) -> tuple[Path, Entry | str | None]:
-        """Longest beginning of `path` that was written, with its marks or the text of its override."""
+    def _written(self, path: Path) -> tuple[Path, Entry | Override | None]:
+        """Longest beginning of `path` that was written, with its marks or its override."""
         for length in range(len(path), -1, -1):
             start = path[:length]
             if start in self.overrides:
@@ -172,15 +179,24 @@ class Document:
         before = self.text[:position]
         return before.count("\n") + 1, position - before.rfind("\n")
 
-    def override(self, key: str, value: Any) -> None:
-        """Replace the value at the dotted path `key`; a string from the command line is read as YAML.
+    def override(self, key: str, value: Any, *, option: str = "--set", entry: Entry | None = None) -> None:
+        """Replace the value at the dotted path `key`.
+
+        Parameters
+        ----------
+        key, value
+            Where, and the plain data that come there.
+        option
+            Option of the command that gave it.
+        entry
+            Where the value stands in the text, when it is from another place of the file.
 
         Raises
         ------
         CaseError
             The path leads through a value that is no mapping or beyond the end of a list.
         """
-        place = f"--set {key}={value}"
+        place = self._marked(entry) or f"{option} {key}={value}"
         path = tuple(key.split("."))
         if not all(path):
             raise CaseError("expected key=value with a dotted key such as discretization.grid", place=place)
@@ -205,21 +221,27 @@ class Document:
             else:
                 parent = parent[step]
         self._forget(tuple(real))
-        self.overrides[tuple(real)] = str(value)
+        if entry is None:
+            self.overrides[tuple(real)] = Override(str(value), option)
+        else:
+            self.entries[tuple(real)] = entry
+
+    def _marked(self, entry: Entry | None) -> str:
+        mark = None if entry is None else entry.key or entry.value
+        return "" if mark is None else f"{self.name}:{mark.line}:{mark.column}"
 
     def _forget(self, path: Path) -> None:
         self.entries = {known: entry for known, entry in self.entries.items() if known[: len(path)] != path}
-        self.overrides = {known: text for known, text in self.overrides.items() if known[: len(path)] != path}
+        self.overrides = {known: one for known, one in self.overrides.items() if known[: len(path)] != path}
 
 
-def parse_value(key: str, text: str) -> Any:
+def parse_value(key: str, text: str, option: str = "--set") -> Any:
     """Value of an override given as text on the command line."""
     try:
         return read(text)[0]
     except YamlError as error:
-        raise CaseError(
-            error.message, place=f"--set {key}={text}", excerpt=excerpt(text, error.column)
-        ) from error
+        place = f"{option} {key}={text}"
+        raise CaseError(error.message, place=place, excerpt=excerpt(text, error.column)) from error
 
 
 def from_text(text: str, name: str) -> Document:

@@ -88,15 +88,52 @@ def check(case: CaseFile, set_: Overrides = None, json: Json = False, allow_larg
 def study(
     case: CaseFile,
     set_: Overrides = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Also write the last run there.")
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="KEY=V1,V2,...",
+            help="Vary a value of the case, e.g. parameters.R=0.3,0.4; repeatable, every combination is run.",
+        ),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Keep the runs there; again: only what is missing or failed."
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            "--jobs", metavar="N", help="Processes (default: one, all cores when the study is long)."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="Dask scheduler, or 'local' for a cluster started here."
+        ),
+    ] = None,
+    restart: Annotated[bool, typer.Option("--restart", help="Make the runs in DIR anew.")] = False,
+    pictures: Annotated[
+        bool, typer.Option("--pictures", help="Each run in DIR with field, picture and report.")
+    ] = False,
     json: Json = False,
     allow_large: Large = False,
 ) -> None:
-    """Solve a case on several grids and degrees, and print errors and rates."""
+    """Solve a case on several grids and degrees, or for several values of any key; print results and rates."""
     finish(
-        "rfm.app.cli.study:study_case", json, file=case, settings=set_ or [], out=out, allow_large=allow_large
+        "rfm.app.cli.study:study_case",
+        json,
+        file=case,
+        settings=set_ or [],
+        vary=vary or [],
+        out=out,
+        jobs=jobs,
+        scheduler=scheduler,
+        restart=restart,
+        pictures=pictures,
+        allow_large=allow_large,
     )
 
 

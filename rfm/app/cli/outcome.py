@@ -22,8 +22,9 @@ def finish(body: str, as_json: bool, **arguments: Any) -> None:
     try:
         command: Callable[..., int] = resolve_name(body)
         code = command(as_json=as_json, **arguments)
-    except KeyboardInterrupt:
-        code = _report("interrupted", "interrupted; files of earlier runs are intact", INTERRUPTED, as_json)
+    except KeyboardInterrupt as stop:
+        message = str(stop) or "interrupted; files of earlier runs are intact"
+        code = _report("interrupted", message, INTERRUPTED, as_json)
     except RfmError as error:
         code = _report(type(error).__name__, error, error.exit_code, as_json)
     except MemoryError:

@@ -76,16 +76,42 @@ def whole_numbers(minimum: int, maximum: int) -> Any:
     return Annotated[tuple[int, ...], BeforeValidator(validate), schema]
 
 
-class Study(Strict):
-    """Grids and degrees of `rfm study`; the value of the discretization where one is not given."""
+def _varied(value: Any) -> dict[str, tuple[Any, ...]]:
+    if not isinstance(value, dict) or not value:
+        raise fail(f"must be a mapping from keys such as parameters.R to lists of values, got {shown(value)}")
+    for key, values in value.items():
+        if not isinstance(values, list | tuple) or not values:
+            raise fail(f"must be a list of values, got {shown(values)}", value=(key,))
+        for i, item in enumerate(values):
+            if item in values[:i]:
+                raise fail(f"holds {shown(item)} twice", value=(key, i))
+        if key.partition(".")[0] in ("rfm", "study"):
+            raise fail(f"a study cannot vary {key!r}; vary a key of the problem", key=(key,))
+    return {key: tuple(values) for key, values in value.items()}
 
+
+Varied = Annotated[
+    dict[str, tuple[Any, ...]],
+    BeforeValidator(_varied),
+    WithJsonSchema({"type": "object", "additionalProperties": {"type": "array", "minItems": 1}}),
+]
+
+
+class Study(Strict):
+    """Runs of `rfm study`: every combination; the value of the case where one is not given."""
+
+    vary: Varied | None = Field(default=None, description="lists of values by dotted key of the case")
     grid: whole_numbers(1, 100_000) | None = None  # type: ignore[valid-type]
     degree: whole_numbers(1, 40) | None = None  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _something(self) -> Study:
-        if self.grid is None and self.degree is None:
-            raise fail("needs a list of grids, degrees or both")
+        if self.grid is None and self.degree is None and self.vary is None:
+            raise fail("needs a list of grids, degrees or both, or lists of values under vary")
+        for name in ("grid", "degree"):
+            if getattr(self, name) is not None and f"discretization.{name}" in (self.vary or {}):
+                key = ("vary", f"discretization.{name}")
+                raise fail(f"the study gives the {name} twice; remove one", key=key)
         return self
 
 
