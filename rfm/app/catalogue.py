@@ -103,6 +103,7 @@ def solvers() -> list[tuple[str, ...]]:
         "superlu": "sparse factorisation",
         "pardiso": "sparse factorisation by pypardiso, when that is installed",
         "cg": "conjugate gradients with diagonal scaling",
+        "ssor": "conjugate gradients with symmetric overrelaxation: low degree",
         "multigrid": "conjugate gradients with geometric multigrid of splines, any degree",
         "amg": "conjugate gradients with algebraic multigrid",
         "qr": "orthogonal factorisation of the rows: least-squares and collocation",

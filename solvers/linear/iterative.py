@@ -50,10 +50,9 @@ def conjugate_gradients(
     precondition: Callable[[Array], Array],
     record: Record | None = None,
 ) -> tuple[Array, int]:
-    """Preconditioned conjugate gradients (Hestenes and Stiefel 1952) on the complement of the null space.
+    """Preconditioned conjugate gradients for the scaled matrix, on the complement of the null space.
 
-    The stopping test is on the residual of the original system, so that it means what is reported.  The coefficients
-    are added to `record`.
+    The stopping test is on the residual of the original system, so that it means what is reported.
 
     Raises
     ------
@@ -62,30 +61,67 @@ def conjugate_gradients(
     NotConverged
         The tolerance was not reached.
     """
-    target = tolerance * float(np.linalg.norm(system.load))
-    unscale = 1.0 / system.scale
-    x = np.zeros_like(system.load)
-    remainder = system.project(system.scaled_load)
-    direction = np.zeros_like(x)
-    old, best, best_step = 1.0, np.inf, 0
-    for step in range(limit):
-        norm = float(np.linalg.norm(unscale * remainder))
-        if norm <= target:
+    unscale, size = 1.0 / system.scale, float(np.linalg.norm(system.load))
+    goal = Goal(lambda rest: float(np.linalg.norm(unscale * rest)) / size, tolerance, limit)
+    return iterate(apply, system.project(system.scaled_load), goal, precondition, system.project, record)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """When to stop.
+
+    Attributes
+    ----------
+    residual
+        Relative residual of the original system, from that of the one that is iterated.
+    tolerance
+        Where it has to be.
+    limit
+        Most steps.
+    """
+
+    residual: Callable[[Array], float]
+    tolerance: float
+    limit: int
+
+
+def iterate(
+    apply: Callable[[Array], Array],
+    right: Array,
+    goal: Goal,
+    precondition: Callable[[Array], Array],
+    project: Callable[[Array], Array],
+    record: Record | None = None,
+) -> tuple[Array, int]:
+    """Preconditioned conjugate gradients (Hestenes and Stiefel 1952); coefficients are added to `record`.
+
+    Raises
+    ------
+    NumericsError
+        A direction of negative energy was met.
+    NotConverged
+        The tolerance was not reached.
+    """
+    x, remainder, direction = np.zeros_like(right), right, np.zeros_like(right)
+    old, best, best_step, step = 1.0, np.inf, 0, 0
+    for step in range(goal.limit):
+        residual = goal.residual(remainder)
+        if residual <= goal.tolerance:
             return x, step
-        if norm < best:
-            best, best_step = norm, step
+        if residual < best:
+            best, best_step = residual, step
         if step - best_step > STALLED:
             break
-        preconditioned = system.project(precondition(remainder))
+        preconditioned = project(precondition(remainder))
         product = float(remainder @ preconditioned)
         if not product > 0:  # a preconditioner that rounding has made indefinite
-            raise not_converged(norm / target * tolerance, tolerance, step)
+            break
         ratio = product / old if step else 0.0
         direction = preconditioned + ratio * direction
         image = apply(direction)
         curvature = float(direction @ image)
         if not curvature > 0:
-            if best <= NOISE * target:
+            if best <= NOISE * goal.tolerance:
                 return x, step
             raise refusal(INDEFINITE, f"negative curvature in iteration {step}")
         length = product / curvature
@@ -93,9 +129,9 @@ def conjugate_gradients(
             record.lengths.append(length)
             record.ratios.append(ratio)
         x += length * direction
-        remainder = system.project(remainder - length * image)
+        remainder = project(remainder - length * image)
         old = product
-    raise not_converged(best / target * tolerance, tolerance, step + 1)
+    raise not_converged(best, goal.tolerance, step + 1)
 
 
 def not_converged(reached: float, tolerance: float, steps: int) -> NotConverged:
@@ -115,8 +151,7 @@ class ConjugateGradients:
 
     def solve(self, system: ScaledSystem, tolerance: float) -> tuple[Array, int]:
         """Solve to the relative residual `tolerance`."""
-        matrix = system.scaled_sparse() if system.sparse else system.scaled_array()
-        return conjugate_gradients(lambda v: matrix @ v, system, tolerance, self.limit, lambda v: v)
+        return conjugate_gradients(system.apply, system, tolerance, self.limit, lambda v: v)
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,16 @@ class Hierarchy:
         level.smoother.sweep(x, load, backwards=True)
         return x
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of all levels, without the index arrays that the finest one shares with the matrix."""
+        sparse = [level.prolongation for level in self.levels] + [
+            level.smoother.matrix for level in self.levels[1:]
+        ]
+        size = sum(one.data.nbytes + one.indices.nbytes + one.indptr.nbytes for one in sparse)
+        size += sum(level.smoother.nbytes for level in self.levels) + self.inverse.nbytes
+        return size + sum(level.smoother.matrix.data.nbytes for level in self.levels[:1])
+
     def __call__(self, load: Array) -> Array:
         """V-cycle for a load in double precision."""
         return self.cycle(load.astype(self.inverse.dtype)).astype(float)
@@ -122,11 +132,10 @@ def precision(lattice: Lattice) -> DTypeLike:
 
 def tiles(lattice: Lattice) -> Indices:
     """Tiles of all components, filled up with -1."""
-    dimension, components = len(lattice.shape), lattice.components
-    one = tiled(lattice, *tiling(lattice.degree, dimension))
-    shifted = [np.where(one < 0, -1, one + c * lattice.size) for c in range(components)]
-    # tiles of all components know conditions that couple them (slip); in space they would be too large
-    return np.concatenate(shifted, axis=1 if dimension < 3 else 0)
+    one = tiled(lattice, *tiling(lattice.degree, len(lattice.shape)))
+    shifted = [np.where(one < 0, -1, one + c * lattice.size) for c in range(lattice.components)]
+    # tiles of all components know conditions that couple them (slip); of high degree in space they would be too large
+    return np.concatenate(shifted, axis=1 if len(lattice.shape) < 3 or lattice.degree < 4 else 0)
 
 
 def tiling(degree: int, dimension: int) -> tuple[int, int]:

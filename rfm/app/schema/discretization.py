@@ -33,7 +33,19 @@ BASES = {
 """Lowest and highest degree of each basis."""
 HIGHEST = max(highest for _, highest in BASES.values())
 METHODS = ("ritz", "least-squares", "galerkin", "collocation")
-LINEAR_SOLVERS = ("auto", "dense", "pivoted", "superlu", "pardiso", "cg", "multigrid", "amg", "qr", "gmres")
+LINEAR_SOLVERS = (
+    "auto",
+    "dense",
+    "pivoted",
+    "superlu",
+    "pardiso",
+    "cg",
+    "ssor",
+    "multigrid",
+    "amg",
+    "qr",
+    "gmres",
+)
 DEVICES = ("none", "cpu", "gpu")
 CONDITIONS = ("natural", "exact")
 SINGULAR = ("auto", "none", "corners")
