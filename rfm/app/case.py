@@ -42,6 +42,7 @@ SUMMARY_KEYS = (
     "corners",
     "seconds",
     "peak_memory_mb",
+    "memory_per_unknown",
 )
 """Keys of a summary that can be expected; those with several values take a second name, as in ``probes.A.u``."""
 

@@ -74,6 +74,10 @@ def summarise(case: Case, solution: Solution) -> dict[str, Any]:
         "corners": [dict(one) for one in solution.intensities],
         "seconds": seconds,
         "peak_memory_mb": round(peak_memory_mb(), 1),
+        "memory_per_unknown": {
+            "solver": linear.nbytes and round(linear.nbytes / solution.dofs),
+            "peak": round(peak_memory_mb() * 2**20 / solution.dofs),
+        },
     }
 
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError
 from solvers.linear.choice import METHODS, Candidate, MatrixFree, choose
-from solvers.linear.system import NotConverged, ScaledSystem
+from solvers.linear.system import NotConverged, ScaledSystem, nbytes
 
 if TYPE_CHECKING:
     from solvers.linear.lattice import Lattice
@@ -51,6 +51,8 @@ class LinearSolution:
         Why this method.
     condition
         Estimate of the condition number of the matrix scaled to a unit diagonal, where it was asked for.
+    nbytes
+        Bytes of the matrix and of the factor or the preconditioner, where they were counted.
     """
 
     x: Array
@@ -59,6 +61,7 @@ class LinearSolution:
     method: str
     reason: str
     condition: float | None = None
+    nbytes: int | None = None
 
 
 def solve(
@@ -108,6 +111,7 @@ def solve(
         try:
             scaled, iterations = candidate.method.solve(system, tolerance)
         except NotConverged:
+            system.kept.clear()
             if number == len(candidates):
                 raise
             continue
@@ -126,4 +130,5 @@ def _accept(
             f"the linear solver {candidate.name} reached only a relative residual of {residual:.1e}: the system is "
             "too ill-conditioned; lower the degree, use basis: web-spline, or raise quadrature_points"
         )
-    return LinearSolution(x, residual, iterations, candidate.name, candidate.reason)
+    size = nbytes(system.original) + sum(system.kept.values())
+    return LinearSolution(x, residual, iterations, candidate.name, candidate.reason, nbytes=size)

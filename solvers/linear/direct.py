@@ -47,6 +47,7 @@ class DenseCholesky:
         lowest = f"of {len(array)} unknowns"
         with threads_for(len(array)):
             factor, info = dpotrf(array.T, lower=1, overwrite_a=1, clean=0)
+        system.kept["factor"] = int(factor.nbytes)
         if info > 0:
             pivot = self._pivot(system, info)
             problem = SINGULAR if pivot > -1e3 * EPSILON * norm else INDEFINITE
@@ -88,6 +89,7 @@ class SuperLU:
                 "the factors do not fit into memory: choose the linear solver amg or cg, or a coarser grid of a "
                 "higher degree"
             ) from error
+        system.kept["factor"] = 12 * int(factors.nnz)
         check_pivots(factors.U.diagonal())
         return refine(system, factors.solve, tolerance)
 

@@ -23,7 +23,7 @@ from solvers.extension import Indices
 from solvers.linear.iterative import conjugate_gradients
 from solvers.linear.lattice import Lattice
 from solvers.linear.schwarz import Schwarz, tiled
-from solvers.linear.system import ScaledSystem
+from solvers.linear.system import ScaledSystem, nbytes
 
 COARSEST = 300
 """Unknowns of a component that are solved for directly; more where half as many cells have over half as many."""
@@ -65,13 +65,9 @@ class Hierarchy:
 
     @property
     def nbytes(self) -> int:
-        """Memory of all levels, without the index arrays that the finest one shares with the matrix."""
-        sparse = [level.prolongation for level in self.levels] + [
-            level.smoother.matrix for level in self.levels[1:]
-        ]
-        size = sum(one.data.nbytes + one.indices.nbytes + one.indptr.nbytes for one in sparse)
-        size += sum(level.smoother.nbytes for level in self.levels) + self.inverse.nbytes
-        return size + sum(level.smoother.matrix.data.nbytes for level in self.levels[:1])
+        """Memory of all levels."""
+        sparse = nbytes(*(m for level in self.levels for m in (level.smoother.matrix, level.prolongation)))
+        return sparse + sum(level.smoother.nbytes for level in self.levels) + int(self.inverse.nbytes)
 
     def __call__(self, load: Array) -> Array:
         """V-cycle for a load in double precision."""
@@ -95,6 +91,7 @@ class GeometricMultigrid:
         if system.lattice is None:
             raise NumericsError(MISSING)
         cycle = hierarchy(system, system.lattice)
+        system.kept["multigrid"] = cycle.nbytes
         return conjugate_gradients(system.apply, system, tolerance, self.limit, cycle)
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from rfm.calculus.types import Array
 from solvers.extension import Indices
 from solvers.linear.iterative import Goal, iterate
-from solvers.linear.system import ScaledSystem
+from solvers.linear.system import ScaledSystem, nbytes
 
 OMEGA = 1.5
 """Steps for 1.2, 1.4 and 1.6: 35, 30, 30 (ball, degree 2, 64 cells), 55, 60, 70 (degree 3, 24 cells), 120, 100, 80
@@ -44,6 +44,7 @@ class Overrelaxation:
     def solve(self, system: ScaledSystem, tolerance: float) -> tuple[Array, int]:
         """Solve to the relative residual `tolerance`."""
         split = Split.of(system)
+        system.kept["ssor"] = nbytes(split.lower, split.upper)
         null = np.linalg.qr(split.lower.T @ system.null)[0]
 
         def project(vector: Array) -> Array:
@@ -87,12 +88,6 @@ class Split:
                 arrays[side][0][piece], arrays[side][1][piece] = entries[kept], columns[kept]
         lower, upper = (csr_array((*arrays[side], pointers[side]), shape=(n, n)) for side in range(2))
         return Split(lower, upper)
-
-    @property
-    def nbytes(self) -> int:
-        """Memory of both triangles."""
-        arrays = [a for one in (self.lower, self.upper) for a in (one.data, one.indices, one.indptr)]
-        return sum(int(a.nbytes) for a in arrays)
 
     def forward(self, right: Array) -> Array:
         """Return the solution of ``K x = b``."""

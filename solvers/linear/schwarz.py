@@ -93,7 +93,7 @@ class Schwarz:
     @property
     def nbytes(self) -> int:
         """Memory of the tiles."""
-        return self.members.nbytes + self.inverses.nbytes
+        return int(self.members.nbytes + self.inverses.nbytes)
 
     def sweep(self, x: Array, load: Array, backwards: bool = False) -> None:
         """Improve `x` in place."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +37,12 @@ class NotConverged(NumericsError):  # noqa: N818 - reads as what happened
     """A method gave up on a matrix that another one may still solve."""
 
 
+def nbytes(*matrices: Any) -> int:
+    """Memory of arrays and of CSR matrices."""
+    parts = [getattr(m, name, None) for m in matrices for name in ("data", "indices", "indptr")]
+    return sum(int(part.nbytes) for part in parts if part is not None)
+
+
 @dataclass(frozen=True, eq=False)
 class ScaledSystem:
     """``D^-1/2 A D^-1/2 y = D^-1/2 b`` with ``x = D^-1/2 y``.
@@ -55,6 +61,8 @@ class ScaledSystem:
         Orthonormal null vectors of A.
     lattice
         Where the unknowns of each component sit, if they are coefficients of splines on a grid.
+    kept
+        Bytes of what methods keep besides the matrix, factors or preconditioners; they enter it.
     """
 
     original: Any
@@ -63,6 +71,7 @@ class ScaledSystem:
     null: Array
     null_original: Array
     lattice: Lattice | None = None
+    kept: dict[str, int] = field(default_factory=dict)
 
     @staticmethod
     def of(

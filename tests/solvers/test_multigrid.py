@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from rfm.errors import NumericsError
-from rfm.geometry import disk
+from rfm.geometry import ball, cylinder, disk
 from solvers import pipeline
 from solvers.assembly import Assembler
 from solvers.equations.elasticity import Elasticity
+from solvers.equations.poisson import Poisson
 from solvers.evaluation import evaluate
 from solvers.grid import Grid
 from solvers.linear import solve
@@ -98,17 +99,17 @@ def test_polynomials_are_carried_over_to_the_boundary(degree, cells):
 @pytest.mark.parametrize("degree", [2, 3])
 def test_iterations_do_not_depend_on_the_grid(degree):
     counts = [iterations(dirichlet(), degree, grid) for grid in (16, 32, 64)]
-    assert max(counts) <= 14
+    assert max(counts) <= 10
     assert counts[2] <= 1.3 * counts[1]
 
 
 @pytest.mark.parametrize("degree", [2, 3, 4, 5, 6])
 def test_iterations_hardly_depend_on_the_degree(degree):
     """Jacobi's preconditioner needs 43, 55, 123, 301 and over 800."""
-    assert iterations(dirichlet(), degree, 32) <= 14
+    assert iterations(dirichlet(), degree, 32) <= 10
 
 
-@pytest.mark.parametrize(("degree", "grid", "most"), [(2, 10, 18), (2, 20, 18), (3, 10, 13), (4, 9, 24)])
+@pytest.mark.parametrize(("degree", "grid", "most"), [(2, 10, 8), (2, 20, 8), (3, 10, 15), (4, 9, 15)])
 def test_iterations_in_space(degree, grid, most):
     assert iterations(on_the_ball(), degree, grid) <= most
 
@@ -150,12 +151,37 @@ def test_elastic_bodies(degree):
 
 def test_flux_on_a_part_of_the_boundary():
     """Next to that part the weight does not vanish."""
-    assert iterations(mixed(), 3, 12) <= 15
+    assert iterations(mixed(), 3, 28) <= 14
+
+
+def test_a_hole_of_few_cells():
+    """Coarse grids see little of it; with smoothing by the diagonal it took 169 cycles."""
+    body = ball(center=(0, 0, 0), radius=1.0).named("ball") - cylinder(
+        center=(0, 0, 0), axis=(0, 0, 1), radius=0.3
+    ).named("bore")
+    problem = Problem(body, Poisson(source=1.0), (Dirichlet(body.part("all"), 0.0),))
+    assert iterations(problem, 2, 8) <= 9
+
+
+def test_elastic_bodies_in_space_with_a_smooth_socket():
+    """In space, too, tiles of low degree hold all components."""
+    body = ball(center=(0, 0, 0), radius=1.0).named("ball") - ball(center=(0, 0, 0), radius=0.4).named("hole")
+    conditions = (Slip(body.part("ball")), Dirichlet(body.part("hole"), 0.0))
+    problem = Problem(body, Elasticity(model="three_dimensional", body_force=(1.0, 2.0, 0.0)), conditions)
+    assert iterations(problem, 2, 10) <= 15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("degree", "grid", "most"), [(2, 40, 8), (3, 24, 14), (4, 16, 14), (5, 12, 16), (6, 10, 20)]
+)
+def test_iterations_in_space_up_to_degree_6(degree, grid, most):
+    assert iterations(on_the_ball(), degree, grid) <= most
 
 
 @pytest.mark.parametrize("degree", [2, 4])
 def test_components_coupled_by_a_condition(degree):
-    """Without friction only the normal component is held: tiles that hold one component need 58 to 106 cycles."""
+    """Without friction only the normal component is held: tiles of one component may need over 50 cycles."""
     body = disk(center=(0, 0), radius=1.0).named("disk") - disk(center=(0, 0), radius=0.4).named("hole")
     conditions = (Slip(body.part("disk")), Dirichlet(body.part("hole"), 0.0))
     problem = Problem(body, Elasticity(body_force=(1.0, 2.0)), conditions)
@@ -271,3 +297,27 @@ def test_automatic_choice_of_high_degree():
     names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice))]
     assert names[:2] == ["ssor", "multigrid"]
     assert "amg" not in names
+
+
+@pytest.mark.parametrize(
+    ("degree", "method", "most"), [(2, "ssor", 650), (3, "multigrid", 1450), (5, "multigrid", 3900)]
+)
+def test_memory_an_unknown_is_bounded(degree, method, most):
+    """Matrix and preconditioner in bytes: no more on fine grids than the entries of a row of the whole plane cost."""
+    options = SolverOptions(linear=method, tolerance=1e-11)
+    found = [
+        pipeline.solve(dirichlet(), Discretization(degree=degree, grid=grid), Ritz(), options)
+        for grid in (48, 96)
+    ]
+    sizes = [one.linear.nbytes / one.dofs for one in found]
+    assert max(sizes) <= most
+    assert sizes[1] <= 1.15 * sizes[0]
+
+
+@pytest.mark.parametrize(
+    ("degree", "method", "most"), [(2, "ssor", 3000), (2, "multigrid", 3400), (3, "multigrid", 7600)]
+)
+def test_memory_an_unknown_is_bounded_in_space(degree, method, most):
+    options = SolverOptions(linear=method, tolerance=1e-11)
+    found = pipeline.solve(on_the_ball(), Discretization(degree=degree, grid=20), Ritz(), options)
+    assert found.linear.nbytes / found.dofs <= most

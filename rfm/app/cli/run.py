@@ -85,7 +85,7 @@ def joined(case: Case, coordinator: str | None, count: int | None, index: int | 
 def describe(summary: Mapping[str, Any], as_json: bool) -> None:
     """Print what matters of a summary."""
     rows = [(key, summary.get(key)) for key in HEADLINES if summary.get(key) is not None]
-    for section in ("boundary_error", "integrals", "probes", "seconds"):
+    for section in ("boundary_error", "integrals", "probes", "seconds", "memory_per_unknown"):
         for name, value in dict(summary.get(section) or {}).items():
             rows.append((f"{section}.{name}", value))
     linear = summary.get("linear") or {}
