@@ -126,7 +126,7 @@ def refused(
     if discretization.singular == "corners":
         from solvers.corners.enrichment import unsuitable
 
-        why = unsuitable(method.name, options.device, problem, discretization)
+        why = unsuitable(method.name, options, problem, discretization)
         if why is not None:
             return Refusal(
                 "singular", f"singular functions at corners are not available here: {why}; use singular: auto"

@@ -82,7 +82,7 @@ def solve(
     options = options or SolverOptions()
     require_posed(problem)
     require(method, problem, discretization, options)
-    discretization = settled(discretization, method.name, options.device, problem)
+    discretization = settled(discretization, method.name, options, problem)
     watch = Stopwatch(listener)
     with telling(options.device):
         try:

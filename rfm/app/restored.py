@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rfm.app.build import build_discretization, build_problem
+from rfm.app.build import build_discretization, build_problem, solver_options
 from rfm.app.case import Case, load_case
 from rfm.app.record import RunRecord
 from rfm.app.storage import StoredSolution, load
@@ -66,7 +66,7 @@ def restore(path: str | Path) -> Restored:
     discretization = build_discretization(case, problem.domain)
     grid = Grid(np.array(stored.lower), np.array(stored.spacing), np.array(stored.cells))
     family = basis(stored.basis)
-    discretization = settled(discretization, case.solver.method, case.solver.device, problem)
+    discretization = settled(discretization, case.solver.method, solver_options(case), problem)
     corners = corner_space(problem, discretization, grid) if stored.more else None
     if corners is None:
         discretization = replace(discretization, singular="none")

@@ -28,7 +28,7 @@ from solvers.bases.registry import basis
 from solvers.device.backend import NONE
 from solvers.equations.poisson import Poisson
 from solvers.grid import Grid
-from solvers.problem import Dirichlet, Discretization, Neumann, Problem, Robin
+from solvers.problem import Dirichlet, Discretization, Neumann, Problem, Robin, SolverOptions
 from structures.contact import boundary_points
 from structures.corner_functions import CornerFunctions, times
 from structures.fading import VANISHED, Window, fading
@@ -42,6 +42,8 @@ HIGHEST = 6
 ORDER = 2
 """Order of the factor that vanishes on the other parts; 3 and 4 are flatter at the corner and steeper elsewhere, with
 up to twice the error."""
+MOST = 8
+"""Corners up to which `auto` has singular functions: each has some 20 that are tabulated at all points."""
 REACH = 1.499
 """Cells around a corner within which there must be no boundary but its two edges: those of the fan."""
 CLOSER = 0.95
@@ -79,21 +81,27 @@ class Enriched:
         return result
 
 
-def unsuitable(method: str, device: str, problem: Problem, discretization: Discretization) -> str | None:
+def unsuitable(
+    method: str, options: SolverOptions, problem: Problem, discretization: Discretization
+) -> str | None:
     """Why a problem and its discretisation cannot have functions of corners at all; None when they can."""
     equation = problem.equation
     if not isinstance(equation, Poisson) or callable(equation.conductivity) or equation.advection is not None:
         return "the equation must be poisson with a constant conductivity and no advection"
     if problem.domain.dimension != 2:
         return "the domain must be plane"
-    if method != "ritz" or device != NONE:
+    if method != "ritz" or options.device != NONE:
         return "the method must be ritz without a device"
+    if options.linear == "multigrid":
+        return "the linear solver must not be multigrid, which is for splines alone"
     if not basis(discretization.basis).local or discretization.conditions != "natural":
         return "the basis must be web-spline or b-spline, with conditions: natural"
     if problem.inclusions:
         return "there must be no inclusions"
     if not all(isinstance(c, Dirichlet | Neumann | Robin) for c in problem.conditions):
         return "the conditions must be dirichlet, neumann or robin"
+    if any(piece.where is not None for c in problem.conditions for piece in c.part.pieces):
+        return "every condition must hold on whole surfaces, not on pieces of them"
     if not any(isinstance(c, Dirichlet) for c in problem.conditions):
         return "a value must be prescribed somewhere"
     return None
@@ -129,7 +137,7 @@ def enriched_corners(problem: Problem, discretization: Discretization, grid: Gri
             "singular must be auto or none here: the domain has no corner above 180 degrees between two straight "
             "edges, each with one condition on all of it, and no other boundary within a cell and a half"
         )
-    return tuple(found)
+    return () if discretization.singular == AUTO and len(found) > MOST else tuple(found)
 
 
 def highest(degree: int) -> int:

@@ -4,19 +4,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rfm.errors import DiscretizationError
 from solvers.background import Background
-from solvers.corners.enrichment import OFF, enriched_corners, unsuitable
+from solvers.corners.enrichment import CHOICES, OFF, enriched_corners, unsuitable
 from solvers.corners.rules import split_at_corners
 from solvers.corners.space import CornerSpace
 from solvers.grid import Grid
-from solvers.problem import Discretization, Problem
+from solvers.problem import Discretization, Problem, SolverOptions
 from solvers.setting import Region, Setting, Structure
 from structures.operator import unknown
 
 
-def settled(discretization: Discretization, method: str, device: str, problem: Problem) -> Discretization:
-    """Return the discretisation without singular functions where they are not possible."""
-    if discretization.singular == OFF or unsuitable(method, device, problem, discretization) is None:
+def settled(
+    discretization: Discretization, method: str, options: SolverOptions, problem: Problem
+) -> Discretization:
+    """Return the discretisation without singular functions where they are not possible.
+
+    Raises
+    ------
+    DiscretizationError
+        There is no such choice.
+    """
+    if discretization.singular not in CHOICES:
+        raise DiscretizationError(
+            f"unknown singular {discretization.singular!r}: choose one of {', '.join(CHOICES)}"
+        )
+    if discretization.singular == OFF or unsuitable(method, options, problem, discretization) is None:
         return discretization
     return replace(discretization, singular=OFF)
 

@@ -7,9 +7,11 @@ import pytest
 
 from rfm.calculus import functions as fn
 from rfm.errors import DiscretizationError
-from rfm.geometry import disk, polygon, rectangle
+from rfm.geometry import disk, half_plane, polygon, rectangle
 from rfm.geometry.singular.straight import straight_corners
 from solvers import pipeline, ritz
+from solvers.background import background_grid
+from solvers.corners.enrichment import enriched_corners
 from solvers.corners.rules import fan
 from solvers.equations.poisson import Poisson
 from solvers.grid import Grid
@@ -95,6 +97,42 @@ def test_corners_of_other_angles_and_conditions(vertices, held, limit):
     assert leading["angle"] == pytest.approx(np.degrees(corner.angle))
     conditions = problem.conditions
     assert all_boundary_errors(solution.pieces)[conditions[0].part.name] < 1e-12
+
+
+def test_a_sector_of_a_disk():
+    # 300 degrees, u = 0 on the radii and sin(3 theta/5) on the arc
+    wedge = half_plane(point=(0, 0), normal=(-0.5, 3**0.5 / 2)) | half_plane(
+        point=(0, 0), normal=(-0.5, -(3**0.5) / 2)
+    )
+    domain = disk(center=(0, 0), radius=1) & wedge
+    power = 0.6
+
+    def exact(x, y):
+        return (x * x + y * y) ** (power / 2) * fn.sin(power * (fn.atan2(-y, -x) + 5 * np.pi / 6))
+
+    problem = Problem(
+        domain,
+        Poisson(),
+        (Dirichlet(domain.part("all"), lambda x, y: exact(x, y) * (x * x + y * y) ** 2),),
+        exact,
+    )
+    found, solution = error(problem, 5, 10)
+    assert found < 1e-5
+    assert found < 1e-2 * error(problem, 5, 10, singular="none")[0]
+    (leading,) = solution.intensities
+    assert leading["exponent"] == pytest.approx(0.6)
+    assert leading["intensity"] == pytest.approx(1.0, abs=1e-3)
+    assert max(all_boundary_errors(solution.pieces).values()) < 1e-12
+
+
+def test_many_corners_are_left_alone():
+    teeth = [(x, y) for k in range(12) for x, y in ((k, 1.0), (k + 0.5, 0.5))]
+    comb = polygon([*teeth, (12, 1), (12, -1), (0, -1)])
+    problem = Problem(comb, Poisson(source=1.0), (Dirichlet(comb.part("all")),))
+    assert len(straight_corners(comb)) == 12
+    for singular, count in (("auto", 0), ("corners", 12)):
+        chosen = Discretization(degree=2, grid=48, singular=singular)
+        assert len(enriched_corners(problem, chosen, background_grid(comb, chosen))) == count
 
 
 def test_values_are_exact_on_all_of_the_boundary():
@@ -237,6 +275,15 @@ def test_refusals():
         match=r"^singular must be auto or none here: the domain has no corner above 180 degrees",
     ):
         ritz.solve(convex, asked)
+    with pytest.raises(
+        DiscretizationError, match=r"^unknown singular 'all': choose one of auto, none, corners$"
+    ):
+        ritz.solve(problem, replace(asked, singular="all"))
+    with pytest.raises(DiscretizationError, match="the linear solver must not be multigrid"):
+        ritz.solve(problem, asked, SolverOptions(linear="multigrid"))
+    piece = replace(convex, conditions=(Dirichlet(domain.part("all").restricted(lambda x, y: x - 0.5)),))
+    with pytest.raises(DiscretizationError, match="every condition must hold on whole surfaces"):
+        ritz.solve(piece, asked)
     with pytest.raises(DiscretizationError, match="a value must be prescribed somewhere"):
         ritz.solve(
             Problem(problem.domain, Poisson(reaction=1.0), (Neumann(problem.domain.part("all")),)), asked
