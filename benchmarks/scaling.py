@@ -117,14 +117,15 @@ def row(shape: Shape, degree: int, grid: int, count: int) -> str:
     discretization = Discretization(degree=degree, grid=grid)
     operator, load, blocks = system(problem, discretization, options)
     found, model = counted(text_of(operator, load)), predicted(blocks, degree)
-    work = sum(
-        np.asarray(group["used"]) * float(np.prod(group["chunks"]["coefficients"].shape[2:]))
-        for group in operator.arrays["groups"]
-    )
+    work, real = np.zeros(count), 0.0
+    for group in operator.arrays["groups"]:
+        coefficients = np.asarray(group["chunks"]["coefficients"])
+        work += np.asarray(group["used"]) * np.prod(coefficients.shape[3:])
+        real += coefficients.shape[3] * np.count_nonzero(np.any(coefficients != 0, axis=(2, 3)))
     pairs = ((model.messages, found.messages), (model.numbers * NUMBER, found.numbers * NUMBER))
     columns = [shape.parts[0], degree, grid, len(load), blocks.shown()]
     columns += [f"{one}, {other}" for one, other in (*pairs, (model.sums, found.sums))]
-    return " | ".join(map(str, [*columns, f"{np.mean(work) / np.max(work):.2f}"]))
+    return " | ".join(map(str, [*columns, f"{real / (count * np.max(work)):.2f}"]))
 
 
 def system(
@@ -152,7 +153,7 @@ def main(counts: list[int]) -> None:
     print("shape | p | grid | unknowns | boxes | exchanges: model, program | bytes | sums | mean work / most")
     full = box(min=(0, 0, 0), max=(1, 1, 1)).named("box")
     for shape in (full, ball(center=(0, 0, 0), radius=1).named("ball")):
-        for degree, grid in ((2, 24), (3, 24)):
+        for degree, grid in ((2, 24), (3, 32)):
             for count in counts:
                 print(row(shape, degree, grid, count))
 

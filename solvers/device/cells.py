@@ -179,6 +179,6 @@ class Groups:
 
 
 def chunk_size(cells: int, numbers: int, kind: str) -> int:
-    """Cells of a chunk: a power of two (16 at least) within the bound of the device, no more than there are."""
-    bound = max(16, WORK.get(kind, WORK["gpu"]) // numbers)
-    return int(2 ** min(bound.bit_length() - 1, max(4, (cells - 1).bit_length())))
+    """Cells of a chunk: chunks of one size within the bound of the device, in eights, with little room left over."""
+    count = -(-cells // max(16, WORK.get(kind, WORK["gpu"]) // numbers))
+    return -(-cells // (8 * count)) * 8
