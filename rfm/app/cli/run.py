@@ -88,6 +88,8 @@ def describe(summary: Mapping[str, Any], as_json: bool) -> None:
     for section in ("boundary_error", "integrals", "probes", "seconds", "memory_per_unknown"):
         for name, value in dict(summary.get(section) or {}).items():
             rows.append((f"{section}.{name}", value))
+    for number, corner in enumerate(summary.get("corners") or ()):
+        rows.append((f"corners.{number}.intensity", corner["intensity"]))
     linear = summary.get("linear") or {}
     rows += [(f"linear.{key}", linear[key]) for key in ("method", "residual", "iterations") if key in linear]
     table(("result", "value"), rows, as_json, title=str(summary.get("title") or summary.get("case", "")))
