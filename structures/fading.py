@@ -8,11 +8,12 @@ vanishes with B and is :math:`1 + O(\varrho^m)` at a distance rho from the corne
 large.  It varies on the scale of the domain, so splines on few cells make up for it.
 
 Where the functions of a corner cannot be continued through the whole domain (round a hole they come back with another
-value) the factor is a window of the length l,
+value) there is a window of the length l as well,
 
 .. math:: \varphi = e^{-(\varrho/l)^4} = 1 + O(\varrho^4),
 
-below rounding from 2.5 l on; the cells have to resolve it.
+below rounding from 2.5 l on; the cells have to resolve it.  It alone is the factor where other boundary lies on the
+line of an edge, where the functions do not vanish.
 """
 
 from __future__ import annotations

@@ -23,6 +23,7 @@ from rfm.geometry.part import Part
 from rfm.geometry.shape import Shape
 from rfm.geometry.singular.straight import StraightCorner, landmarks, on_boundary, straight_corners
 from rfm.geometry.surface import Surface
+from rfm.geometry.vanishing import Product
 from rfm.geometry.weight import weight
 from solvers.bases.registry import basis
 from solvers.device.backend import NONE
@@ -59,7 +60,7 @@ class Enriched:
     functions: CornerFunctions
     factor: Field | None
     reach: float
-    """Distance up to which the functions are there; infinite without a window."""
+    """Distance beyond which the functions are below rounding; infinite without a window."""
 
     @property
     def corner(self) -> StraightCorner:
@@ -154,10 +155,15 @@ def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched
     own = frozenset(s for s, yes in zip((corner.first, corner.second), held, strict=True) if yes)
     rays = [a for a, yes in zip((0.0, corner.angle), held, strict=True) if yes]
     essential = reduce(lambda a, b: a | b, (c.part for c in problem.conditions if isinstance(c, Dirichlet)))
-    factor: Field | None
-    if _continues(domain, corner) and all(_alone(domain, corner, corner.start + a) for a in rays):
+    factor: Field | None = None
+    if all(_alone(domain, corner, corner.start + a) for a in rays):
         others = essential - Part("own edges", own)
-        factor, reach = _fading(domain, others, corner) if others.surfaces else (None, math.inf)
+        if others.surfaces:
+            factor = _fading(domain, others, corner)
+        reach = _return(domain, corner)
+        if reach < math.inf:
+            window = Window(corner.point, reach / VANISHED)
+            factor = window if factor is None else Product((factor, window))
     else:
         reach = _clearance(domain, corner)
         factor = Window(corner.point, reach / VANISHED)
@@ -191,13 +197,13 @@ def _held(problem: Problem, surface: Surface) -> bool | None:
     return isinstance(found[0], Dirichlet)
 
 
-def _continues(domain: Shape, corner: StraightCorner) -> bool:
-    """Whether the ray opposite to the corner's bisector, where its functions jump, stays outside the domain."""
+def _return(domain: Shape, corner: StraightCorner) -> float:
+    """Distance at which the ray opposite to a corner's bisector, where its functions jump, comes back to the domain."""
     direction = corner.start + 0.5 * corner.angle + math.pi
-    reach = 2.0 * max(domain.box.size)
-    along = reach * np.geomspace(1e-6, 1.0, 400)
+    along = 2.0 * max(domain.box.size) * np.geomspace(1e-6, 1.0, 800)
     x, y = (corner.point[i] + f(direction) * along for i, f in enumerate((np.cos, np.sin)))
-    return not bool((np.asarray(domain.sign(x, y)) > 0).any())
+    inside = np.flatnonzero(np.asarray(domain.sign(x, y)) > 0)
+    return float(along[inside[0] - 1]) if len(inside) else math.inf
 
 
 def _alone(domain: Shape, corner: StraightCorner, direction: float) -> bool:
@@ -209,14 +215,14 @@ def _alone(domain: Shape, corner: StraightCorner, direction: float) -> bool:
     return int(touching.sum()) <= 2  # where the line crosses other boundary
 
 
-def _fading(domain: Shape, others: Part, corner: StraightCorner) -> tuple[Field, float]:
+def _fading(domain: Shape, others: Part, corner: StraightCorner) -> Field:
     """Factor that vanishes on the other essential parts."""
     own = weight(domain, others)
     at_corner = float(np.asarray(own(*corner.point)))
     lattice = [np.linspace(a, b, SAMPLES) for a, b in zip(domain.box.lower, domain.box.upper, strict=True)]
     coords = np.meshgrid(*lattice, indexing="ij")
     largest = float(np.max(partials(own, coords, 0)[0]))
-    return fading(own, at_corner, largest, ORDER), math.inf
+    return fading(own, at_corner, largest, ORDER)
 
 
 def _clearance(domain: Shape, corner: StraightCorner) -> float:

@@ -126,12 +126,12 @@ def test_a_sector_of_a_disk():
 
 
 def test_many_corners_are_left_alone():
-    teeth = [(x, y) for k in range(12) for x, y in ((k, 1.0), (k + 0.5, 0.5))]
-    comb = polygon([*teeth, (12, 1), (12, -1), (0, -1)])
+    teeth = [(x, y) for k in range(10) for x, y in ((k, 1.0), (k + 0.5, 0.5))]
+    comb = polygon([*teeth, (10, 1), (10, -1), (0, -1)])
     problem = Problem(comb, Poisson(source=1.0), (Dirichlet(comb.part("all")),))
-    assert len(straight_corners(comb)) == 12
-    for singular, count in (("auto", 0), ("corners", 12)):
-        chosen = Discretization(degree=2, grid=48, singular=singular)
+    assert len(straight_corners(comb)) == 10
+    for singular, count in (("auto", 0), ("corners", 10)):
+        chosen = Discretization(degree=2, grid=40, singular=singular)
         assert len(enriched_corners(problem, chosen, background_grid(comb, chosen))) == count
 
 
@@ -205,17 +205,31 @@ def test_a_reaction_has_products_with_the_squared_radius():
     assert solution.intensities[0]["intensity"] == pytest.approx(1.0, abs=1e-4)
 
 
-def test_the_corners_of_a_hole_have_windows():
-    # intensity of all four corners with degree 6 and 48 cells: 0.16595
+def test_the_corners_of_a_hole():
+    # the integral of u: NGSolve, degree 10, 10 levels of geometric refinement towards all corners; the intensity: from
+    # its values on the bisector at a distance of 1e-3 and 1e-4
     domain = rectangle(min=(-1, -1), max=(1, 1)) - rectangle(min=(-0.5, -0.5), max=(0.5, 0.5))
     problem = Problem(domain, Poisson(source=1.0), (Dirichlet(domain.part("all")),))
-    solution = ritz.solve(problem, Discretization(degree=5, grid=24))
-    assert [one["intensity"] for one in solution.intensities] == pytest.approx([0.16595] * 4, rel=0.05)
+    solution = ritz.solve(problem, Discretization(degree=4, grid=16))
+    assert [one["intensity"] for one in solution.intensities] == pytest.approx([0.16612] * 4, rel=0.03)
     assert max(all_boundary_errors(solution.pieces).values()) < 1e-12
-    middle = np.array([[-0.7, -0.7]])
-    plain = ritz.solve(problem, Discretization(degree=5, grid=24, singular="none"))
-    fine = ritz.solve(problem, Discretization(degree=4, grid=48))
-    assert abs(solution.u(middle) - fine.u(middle)) < 0.1 * abs(plain.u(middle) - fine.u(middle))
+    assert -2 * measure(solution.pieces).energy == pytest.approx(0.0670321268, abs=2e-7)
+    plain = ritz.solve(problem, Discretization(degree=4, grid=16, singular="none"))
+    assert -2 * measure(plain.pieces).energy < 0.06703212 - 1e-4
+
+
+def test_windows_where_other_boundary_lies_on_the_line_of_an_edge():
+    cross = rectangle(min=(-1, -0.4), max=(1, 0.4)) | rectangle(min=(-0.4, -1), max=(0.4, 1))
+    problem = Problem(cross, Poisson(source=1.0), (Dirichlet(cross.part("all")),))
+    solution, plain, fine = (
+        ritz.solve(problem, Discretization(degree=3, grid=n, singular=s))
+        for n, s in ((20, "auto"), (20, "none"), (60, "auto"))
+    )
+    assert len(solution.intensities) == 4
+    assert max(all_boundary_errors(solution.pieces).values()) < 1e-12
+    energies = [measure(one.pieces).energy for one in (solution, plain, fine)]
+    assert energies[2] < energies[0] < energies[1]
+    assert energies[0] - energies[2] < 0.2 * (energies[1] - energies[2])
 
 
 @pytest.mark.parametrize("cells", [(4, 4), (5, 5), (5, 4)])
