@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rfm.calculus.intervals import Interval
 from rfm.calculus.jets import partials
 from rfm.errors import GeometryError
 from solvers.quadrature import bernstein
@@ -29,7 +30,7 @@ ACCURACY = 1e-12
 """Largest interpolation error, relative to the function on the box, that needs no subdivision."""
 
 CLEAR = 10.0
-"""A function whose interpolant keeps away from zero by so many times its error has no zero."""
+"""A function whose interpolant keeps away from zero by so many times its error may have no zero: intervals decide."""
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -131,9 +132,11 @@ def sample(
         error = _error(one, c[chosen], grid, cells[where], lower[where], width[where])
         noise[chosen] += error
         low, high = bernstein.bounds(c[chosen], d)
+        good[chosen] = error <= ACCURACY * scale[chosen]
         # far from zero only the sign is wanted
-        clear = np.maximum(low, -high) > CLEAR * error
-        good[chosen] = clear | (error <= ACCURACY * scale[chosen])
+        clear = np.flatnonzero(~good[chosen] & (np.maximum(low, -high) > CLEAR * error))
+        where = where[clear]
+        good[chosen[clear]] = _has_no_zero(one, grid, cells[where], lower[where], width[where])
     return Samples(c, noise, good)
 
 
@@ -147,6 +150,15 @@ def _error(surface: Surface, c: Array, grid: Grid, cells: Integers, lower: Array
     for axis in range(1, c.ndim):
         c = bernstein.transform(matrix, c, axis)
     return np.asarray(np.abs(c - expected).reshape(len(c), -1).max(axis=1, initial=0.0))
+
+
+def _has_no_zero(surface: Surface, grid: Grid, cells: Integers, lower: Array, width: Array) -> Mask:
+    """Whether interval arithmetic says so, shape ``(n,)``."""
+    low = (grid.lower + grid.spacing * (cells + lower)).T
+    high = (grid.lower + grid.spacing * (cells + lower + width)).T
+    with np.errstate(all="ignore"):
+        bound = Interval.of(surface.function(*(Interval(a, b) for a, b in zip(low, high, strict=True))))
+    return np.broadcast_to((bound.lo > 0.0) | (bound.hi < 0.0), len(cells))
 
 
 def _tensor_points(grid: Grid, cells: Integers, lower: Array, width: Array, t: Array) -> tuple[Array, ...]:

@@ -8,9 +8,11 @@ from hypothesis import strategies as st
 from rfm.calculus import functions as fn
 from rfm.errors import GeometryError
 from rfm.geometry import Box, ball, cylinder, disk, function, half_plane, rectangle, strip
+from rfm.geometry.boundaries.curve import curve
 from rfm.geometry.shape import Shape
 from solvers.classify import CUT, INNER, OUTER, classify
 from solvers.grid import Grid
+from solvers.quadrature import domain_rules
 
 
 def sampled(domain: Shape, grid: Grid, per_side: int = 12) -> tuple[np.ndarray, np.ndarray]:
@@ -109,6 +111,29 @@ def test_formulas_that_are_no_polynomials() -> None:
     assert not outside[state == INNER].any()
     assert not inside[state == OUTER].any()
     assert np.count_nonzero((state == CUT) & ~(inside & outside)) <= 4
+
+
+@pytest.mark.parametrize("sharpness", [60.0, 800.0, 5000.0])
+def test_a_hole_of_a_formula_inside_one_cell_is_found(sharpness: float) -> None:
+    # The cell is halved until the interpolants are accurate; its last part lies inside, the hole in the first one.
+    def field(x, y):
+        return 0.5 - fn.exp(-sharpness * ((x - 0.2) * (x - 0.2) + (y - 0.3) * (y - 0.3)))
+
+    domain = function(field, Box((0.0, 0.0), (2.0, 1.0)))
+    classified = classify(domain, Grid([0.0, 0.0], [1.0, 1.0], [2, 1]))
+    np.testing.assert_array_equal(classified.state, [[CUT], [INNER]])
+    cut = domain_rules(domain, classified, inner=1, cut=8).cut
+    assert 1.0 - cut.weights.sum() == pytest.approx(np.pi * np.log(2.0) / sharpness, rel=1e-6)
+
+
+def test_boxes_are_halved_near_the_boundary_only() -> None:
+    # The joint function of a curve bends along lines through the whole inside.
+    leaf = curve((0, 0), [{"bezier": [(0.6, -0.8), (1.2, 0)]}, {"bezier": [(0.6, 1.0), (0, 0)]}])
+    classified = classify(leaf, Grid.cover(leaf.box, 8))
+    deepest = sum(int((boxes.depth == boxes.depth.max()).sum()) for boxes in classified.boxes)
+    assert deepest < 400
+    rules = domain_rules(leaf, classified, inner=4, cut=6)
+    assert rules.inner.weights.sum() + rules.cut.weights.sum() == pytest.approx(0.72, rel=1e-7)
 
 
 def test_an_empty_domain_says_so() -> None:
