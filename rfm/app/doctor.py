@@ -21,6 +21,7 @@ REQUIRED = (
 
 OPTIONAL = {
     "pypardiso": "fast sparse factorisation (linear: pardiso)",
+    "distributed": "studies on a cluster (rfm study --scheduler)",
     "skfem": "comparison in benchmarks/",
     "gmsh": "comparison in benchmarks/",
 }

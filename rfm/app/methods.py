@@ -61,7 +61,8 @@ def build_method(
     if refusal is not None and refusal.of == "method" and "method" not in case.solver.model_fields_set:
         raise case.error(_without_energy(case), refusal.message, key=True)
     if refusal is not None:
-        raise case.error(PLACES[refusal.of], refusal.message)
+        # the place says "solver.device:" already
+        raise case.error(PLACES[refusal.of], refusal.message.removeprefix(f"{refusal.of}: "))
     chosen: Method = replace(method, **given)
     return chosen
 

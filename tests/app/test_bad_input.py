@@ -154,7 +154,7 @@ SCHEMA = [
         "grid: 12}\n",
         "grid: 12}\nsolver: {device: cpu, linear: superlu}\n",
         "13:18",
-        "has no matrix that linear: superlu could take: choose linear: cg (or auto), or device: none",
+        "solver.device: cpu has no matrix that linear: superlu could take: choose linear: cg (or auto), or",
     ),
     ("grid: 12}\n", "grid: 12}\nsolver: {shards: 0}\n", "13:18", "must be all or a positive whole number, got 0"),
     ("grid: 12}\n", "grid: 12}\nsolver: {shards: most}\n", "13:18", "got 'most'"),

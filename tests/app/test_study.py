@@ -5,13 +5,17 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import rfm
 from rfm.app.cli.application import app
+from rfm.app.run import record_of
 from rfm.app.source import from_mapping, from_text
+from rfm.app.storage import solution_bytes
 from rfm.app.study import engines
 from rfm.app.study.engines import Automatic, Here, Processes
 from rfm.app.study.folder import StudyFolder
@@ -21,6 +25,8 @@ from rfm.app.study.table import csv_text, with_rates
 from rfm.app.study.task import DONE, FAILED, PENDING, REFUSED, Outcome, execute, lost
 from rfm.errors import CaseError
 from tests.app.dying import SUMMARY, answer
+
+ROOT = Path(__file__).parents[2]
 
 CASE = """\
 rfm: 1
@@ -320,6 +326,29 @@ def test_the_table_as_text():
     assert (rows[0]["parameters.r"], rows[0]["grid"], rows[0]["integrals.area"]) == ("0.1", "8", "0.1")
     assert (rows[1]["state"], rows[1]["dofs"]) == ("pending", "")
     assert SUMMARY.keys() >= {"dofs", "energy"}
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("mixed/annulus_exact", {"discretization.grid": 12}),
+        ("elasticity/kirsch_quarter", {"discretization.grid": 10}),
+        ("materials/disk_in_square", {"discretization.grid": 16}),
+    ],
+)
+def test_a_run_is_reported_from_its_file_without_solving_it(tmp_path, monkeypatch, name, settings):
+    run = rfm.solve(ROOT / "cases" / f"{name}.yaml", settings)
+    made = record_of(run.result)
+    (tmp_path / "solution.h5").write_bytes(solution_bytes(made))
+    monkeypatch.setattr("solvers.pipeline.solve", lambda *_: pytest.fail("it must not be solved again"))
+    found = rfm.load(tmp_path)._record()
+    points = np.random.default_rng(1).uniform(made.domain.box.lower, made.domain.box.upper, (20, 2))
+    np.testing.assert_allclose(found.u(points), made.u(points), rtol=1e-9, atol=1e-12)
+    assert found.derived.keys() == made.derived.keys()
+    for key, function in made.derived.items():
+        np.testing.assert_allclose(found.derived[key](points), function(points), rtol=1e-7, atol=1e-9)
+    np.testing.assert_array_equal(found.classification.state, made.classification.state)
+    assert (found.linear, found.residuals, found.title) == (made.linear, made.residuals, made.title)
 
 
 # The command ---------------------------------------------------------------------------------------
