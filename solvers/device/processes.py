@@ -103,7 +103,7 @@ def telling(kind: str) -> Iterator[None]:
     team.informed = team.informed and team.depth > 1
     try:
         yield
-    except RfmError as error:
+    except Exception as error:
         team.fail(error)
         raise
     finally:
@@ -149,7 +149,7 @@ class Processes:
             found[start : start + AT_ONCE] = self._everywhere(_sum, piece)
         return found.reshape(array.shape)
 
-    def fail(self, error: RfmError) -> None:
+    def fail(self, error: Exception) -> None:
         """Tell the others, who call :meth:`gather` meanwhile, that this process has failed."""
         if not self.informed:
             try:
@@ -157,8 +157,9 @@ class Processes:
             except RfmError:  # several have failed; each says its own
                 return
 
-    def _gather(self, value: Any, error: RfmError | None) -> list[Any]:
-        failure = None if error is None else (error.exit_code, str(error))
+    def _gather(self, value: Any, error: Exception | None) -> list[Any]:
+        code = getattr(error, "exit_code", NumericsError.exit_code)
+        failure = None if error is None else (code, str(error))
         data = np.frombuffer(pickle.dumps((failure, value)), dtype=np.uint8)
         sizes = self._everywhere(_same, np.array([len(data)], dtype=np.int64))[:, 0]
         room = 1 << int(sizes.max() - 1).bit_length()  # few lengths, few programs

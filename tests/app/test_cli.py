@@ -231,34 +231,44 @@ def test_processes_that_cannot_solve_together(folder, device, options, words):
     assert [path.name for path in folder.iterdir()] == ["annulus.yaml"]
 
 
-@pytest.mark.slow
-def test_two_processes_run_a_case(folder):
-    """Process 0 writes; standard output is its summary alone, although the collectives report there."""
+def of_two_processes(*options):
+    """Exit codes, standard output and standard error of two processes that run the case together."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         address = f"127.0.0.1:{trial.getsockname()[1]}"
-    command = [sys.executable, "-c", "from rfm.app.cli import main; main()", "run", "annulus.yaml", "--json"]
+    command = [sys.executable, "-c", "from rfm.app.cli import main; main()", "run", "annulus.yaml", *options]
     command += ["--set", "solver.device=cpu", "--coordinator", address, "--processes", "2", "--process"]
-    path = os.pathsep.join(sys.path)
-    processes = [
-        subprocess.Popen(
-            [*command, str(k)], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path}
-        )
-        for k in range(2)
-    ]
+    given = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": given}
+    processes = [subprocess.Popen([*command, str(k)], **pipes) for k in range(2)]
     try:
-        outputs = [process.communicate(timeout=240)[0] for process in processes]
+        outputs = [process.communicate(timeout=240) for process in processes]
     finally:
         for process in processes:
             process.kill()
             process.wait()
-    assert [process.returncode for process in processes] == [0, 0]
-    summary = json.loads(outputs[0])
+    return [(process.returncode, *output) for process, output in zip(processes, outputs, strict=True)]
+
+
+@pytest.mark.slow
+def test_two_processes_run_a_case(folder):
+    """Process 0 writes; standard output is its summary alone, although the collectives report there."""
+    (code, output, _), second = of_two_processes("--json")
+    assert (code, *second[:2]) == (0, 0, "")
+    summary = json.loads(output)
     assert summary["status"] == "done"
     assert summary["linear"]["reason"].endswith("device: cpu, 1x2 boxes of cells")
     assert summary["integrals"]["area"] == pytest.approx(np.pi * 0.15, rel=1e-8)
-    assert outputs[1] == ""
     assert {path.name for path in (folder / "runs" / "annulus").iterdir()} == RUN_FILES
+
+
+@pytest.mark.slow
+def test_what_process_0_refuses_ends_the_other_one(folder):
+    (folder / "taken").write_text("")
+    first, second = of_two_processes("--out", "taken")
+    assert (first[0], second[0]) == (2, 2)
+    message = next(line for line in first[2].splitlines() if line.startswith("error: "))
+    assert message.replace("error: ", "error: process 0 has failed: ") in second[2]
 
 
 def test_version():

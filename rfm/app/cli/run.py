@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +42,13 @@ def run_case(
 
     case = load(file, settings)
     directory = out or Path("runs") / case.name
-    if together is not None and not joined(case, **together):
+    index, machines = (0, 1) if together is None else joined(case, **together)
+    if index:
         return MISSED if compute(case).misses else DONE
-    check_output(directory)
-    if not allow_large:
-        refuse_large(case)
+    with nullcontext() if together is None else telling_others(case):
+        check_output(directory)
+        if not allow_large:
+            refuse_large(case, share=machines)
     with listening() as listener:
         result = compute(case, listener)
         listener.phase("files")
@@ -62,8 +65,8 @@ def run_case(
     return MISSED if result.misses else DONE
 
 
-def joined(case: Case, coordinator: str | None, count: int | None, index: int | None) -> bool:
-    """Join other processes; whether this one is to write the results.
+def joined(case: Case, coordinator: str | None, count: int | None, index: int | None) -> tuple[int, int]:
+    """Join other processes; the number of this one, of which 0 writes the results, and how many machines there are.
 
     Raises
     ------
@@ -77,9 +80,19 @@ def joined(case: Case, coordinator: str | None, count: int | None, index: int | 
     if case.solver.device == NONE:
         message = f"several processes solve together on devices only: choose cpu or gpu, got {NONE}"
         raise case.error(("solver", "device"), message)
-    from solvers.device.processes import join
+    import socket
 
-    return join(coordinator, count, index) == 0
+    from solvers.device.processes import join, team_of
+
+    number = join(coordinator, count, index)
+    return number, len(set(team_of(case.solver.device).gather(socket.gethostname())))
+
+
+def telling_others(case: Case) -> AbstractContextManager[None]:
+    """Context whose errors end the other processes too."""
+    from solvers.device.processes import telling
+
+    return telling(case.solver.device)
 
 
 def describe(summary: Mapping[str, Any], as_json: bool) -> None:
