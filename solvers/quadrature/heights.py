@@ -199,8 +199,11 @@ def edge_breaks(c: Array, noise: Array, pairs: list[tuple[int, int]]) -> list[Br
     edges = c[:, :, [0, 0, -1, -1], [0, -1, 0, -1], :].reshape(n * m * 4, k)
     index, root = real_roots(edges, np.repeat(noise.reshape(-1), 4))
     found: list[Breaks] = [(index // (4 * m), root)]
-    for i, j in pairs:
-        for face in (c[:, :, 0], c[:, :, -1], c[:, :, :, 0], c[:, :, :, -1]):
-            where, z, _ = meetings(face[:, i], face[:, j], noise[:, i], noise[:, j])
-            found.append((where, z))
+    if pairs:
+        # the four faces at once: a call costs more than a hundred faces
+        faces = np.concatenate([c[:, :, 0], c[:, :, -1], c[:, :, :, 0], c[:, :, :, -1]])
+        level = np.tile(noise, (4, 1))
+        for i, j in pairs:
+            where, z, _ = meetings(faces[:, i], faces[:, j], level[:, i], level[:, j])
+            found.append((where % n, z))
     return found
