@@ -422,3 +422,11 @@ def test_outcomes_without_listener():
     (outcome,) = Here().outcomes(tasks)
     assert isinstance(outcome, Outcome)
     assert outcome.where
+
+
+def test_processes_make_real_runs(folder):
+    result = invoke("study", "case.yaml", "--jobs", "2", "--vary", "parameters.r=0.1", "--json")
+    assert result.exit_code == 0, result.stderr
+    rows = json.loads(result.stdout)["rows"]
+    assert [(row["grid"], row["state"]) for row in rows] == [(8, DONE), (12, DONE)]
+    assert rows[1]["rate_l2"] > 2.0

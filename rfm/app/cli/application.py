@@ -16,7 +16,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Solve boundary value problems without a mesh, with boundary conditions satisfied exactly.",
     epilog="Exit codes: 0 done, 1 done but an expectation was missed, 2 the case or command is wrong, "
-    "3 the numerics failed, 130 interrupted.",
+    "3 the numerics or a run of a study failed, 130 interrupted.",
 )
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (YAML).")]

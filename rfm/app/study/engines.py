@@ -186,10 +186,9 @@ def _serve(pipe: Connection, work: Work) -> None:
     one_thread()
     while True:
         try:
-            task = pipe.recv()
-        except EOFError:
+            pipe.send(work(pipe.recv()))
+        except (EOFError, BrokenPipeError):  # the study has ended, or its process was killed
             return
-        pipe.send(work(task))
 
 
 def processors() -> int:
