@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rfm.calculus.types import Array
 from solvers.classify import Classification
+from solvers.device.backend import NONE
 from solvers.device.blocks import Blocks, divided
-from solvers.device.processes import team_of
-from solvers.device.shards import boxes_of
 from solvers.device.team import Alone, Team
 from solvers.grid import Integers
 from solvers.problem import SolverOptions
@@ -73,6 +72,11 @@ def shared(classification: Classification, degree: int, options: SolverOptions) 
     DiscretizationError
         There are fewer layers of cells than devices.
     """
+    if options.device == NONE:
+        return WHOLE
+    from solvers.device.processes import team_of
+    from solvers.device.shards import boxes_of
+
     count = boxes_of(options)
     if count == 1:
         return WHOLE

@@ -15,7 +15,6 @@ import numpy as np
 from rfm.calculus.types import Array
 from rfm.errors import NumericsError, RfmError
 from solvers.device.backend import NONE, computing
-from solvers.device.rendezvous import meet
 from solvers.device.team import Alone, Team
 
 AUTO = "auto"
@@ -47,6 +46,8 @@ def join(
     RfmError
         The others are not there, or JAX computes already.
     """
+    from solvers.device.rendezvous import meet
+
     given: dict[str, Any] = {"coordinator_address": coordinator, "num_processes": count, "process_id": index}
     if coordinator == AUTO:
         given = {}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from solvers.device.backend import NONE
 from solvers.problem import SolverOptions
 
 ALL = "all"
@@ -10,8 +9,6 @@ ALL = "all"
 
 def boxes_of(options: SolverOptions) -> int:
     """Boxes of a solve: what is asked for, otherwise one, or all devices of several processes."""
-    if options.device == NONE:
-        return 1
     import jax
 
     every = len(jax.devices(options.device))
