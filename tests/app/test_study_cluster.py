@@ -1,5 +1,6 @@
 """Studies on a real cluster: a scheduler and two workers, each a process of its own."""
 
+import gc
 import json
 
 import pytest
@@ -10,7 +11,7 @@ from rfm.app.study import cluster as cluster_module
 from rfm.app.study.cluster import Cluster, ClusterError
 from rfm.app.study.task import DONE, FAILED
 from tests.app.dying import answer
-from tests.app.test_study import CASE, plan_of
+from tests.app.studies import CASE, plan_of
 
 distributed = pytest.importorskip("distributed")
 
@@ -24,6 +25,7 @@ pytestmark = pytest.mark.filterwarnings(
 def address():
     with cluster_module._local(distributed, 2) as found:
         yield found.scheduler_address
+    gc.collect()  # what distributed leaves is not to be found in the next test
 
 
 def invoke(*arguments: str):
