@@ -23,9 +23,9 @@ FRACTION = 0.8
 """Part of the available memory that a run may use."""
 
 MATRIX_COPIES = 8.0
-"""Matrices in memory at the peak, in units of the half stencil with 8 bytes a number and of a domain that fills its box.
-Measured, estimate / peak in GB: square of 768 cells, degree 2, 0.72 / 0.67; cube of 48 cells, degree 2, 0.74 / 0.51; ball,
-0.35 / 0.19, 1.5 / 0.7 and 9.0 / 4.0 for 32, 64 and 128 cells of degree 2, 1.8 / 0.8 for 48 of degree 3."""
+"""Matrices in memory at the peak, in units of the half stencil with 8 bytes a number; the domain fills its box.
+Measured, estimate / peak in GB: square of 768 cells, degree 2, 0.72 / 0.67; cube of 48 cells, degree 2, 0.74 / 0.51;
+ball, 0.35 / 0.19, 1.5 / 0.7 and 9.8 / 4.0 for 32, 64 and 128 cells of degree 2, 1.8 / 0.8 for 48 of degree 3."""
 
 BASE_BYTES = 150e6
 """Memory of the program itself with its chunks of quadrature points."""
