@@ -28,6 +28,8 @@ WEAK = 3e-3
 """Relative size up to which it does when the coefficients decay fast."""
 DECAY = 0.5
 """Largest ``a c / b^2`` of a fast decay."""
+TOGETHER = 100_000
+"""Numbers looked at in one call."""
 
 
 @lru_cache(maxsize=32)
@@ -58,30 +60,36 @@ def rough_cells(functions: Sequence[Array], nodes: Array, dim: int) -> NDArray[n
     """
     m = len(nodes)
     rough = np.zeros(functions[0].shape[1], dtype=bool)
-    for values in {id(f): f for f in functions}.values():
+    distinct = list({id(f): f for f in functions}.values())
+    step = max(1, TOGETHER // max(1, distinct[0].size))
+    for start in range(0, len(distinct), step):
+        # few cells: many functions in one call; many cells: one by one, without a copy
+        values = np.stack(distinct[start : start + step]) if step > 1 else distinct[start][None]
         if not np.isfinite(values.sum()):
-            finite = np.asarray(np.isfinite(values).all(axis=0))
-            rough |= ~finite
-            values = np.where(finite, values, 0.0)
+            finite = np.asarray(np.isfinite(values).all(axis=1))
+            rough |= ~finite.all(axis=0)
+            values = np.where(finite[:, None], values, 0.0)
         largest = _largest(values)
         for axis in range(dim):
             tail = _coefficients(values, axis, m, slice(m - 2, m))
-            doubtful = np.flatnonzero(tail > TOLERANCE * largest)
-            if len(doubtful) and m >= 6:
-                before = _coefficients(values[:, doubtful], axis, m, slice(m - 4, m - 2))
-                a, c = largest[doubtful], tail[doubtful]
-                doubtful = doubtful[(c > WEAK * a) | (a * c > DECAY * before**2)]
-            rough[doubtful] = True
+            function, cell = np.nonzero(tail > TOLERANCE * largest)
+            if len(cell) and m >= 6:
+                doubtful = np.ascontiguousarray(values[function, :, cell].T)[None]
+                b = _coefficients(doubtful, axis, m, slice(m - 4, m - 2))[0]
+                a, c = largest[function, cell], tail[function, cell]
+                cell = cell[(c > WEAK * a) | (a * c > DECAY * b**2)]
+            rough[cell] = True
     return rough
 
 
 def _coefficients(values: Array, axis: int, m: int, degrees: slice) -> Array:
-    """Largest coefficients of some degrees along one axis, at the nodes of the others, cell by cell."""
-    found = np.matmul(legendre_transform(m)[degrees], values.reshape(m**axis, m, -1))
-    return _largest(found.reshape(-1, values.shape[1]))
+    """Largest coefficients of some degrees along one axis, at the nodes of the others: by function and cell."""
+    count, _, cells = values.shape
+    found = np.matmul(legendre_transform(m)[degrees], values.reshape(count * m**axis, m, -1))
+    return _largest(found.reshape(count, -1, cells))
 
 
 def _largest(values: Array) -> Array:
-    """Largest modulus in each column."""
-    result: Array = np.maximum(values.max(axis=0), -values.min(axis=0))
+    """Largest modulus at the nodes, by function and cell."""
+    result: Array = np.maximum(values.max(axis=1), -values.min(axis=1))
     return result
