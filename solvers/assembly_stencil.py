@@ -11,7 +11,6 @@ and there is nothing to sort.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -118,20 +117,21 @@ class Stencil:
         if added is not None:
             complete &= np.diff(added.indptr) == 0
         near, whole = np.flatnonzero(~complete), np.flatnonzero(complete)
-        rest = self._searched(rows[near], number, len(columns))
-        if added is not None:
-            rest = rest + added[near]
-            rest.sort_indices()
-        if not len(whole):
-            return rest
+        step = max(1, WORK // width)
+        parts = []
+        for start in range(0, len(near), step):
+            chosen = near[start : start + step]
+            part = self._searched(rows[chosen], number, len(columns))
+            parts.append((chosen, part if added is None else part + added[chosen]))
         counts = np.full(len(rows), width)
-        counts[near] = np.diff(rest.indptr)
+        for chosen, part in parts:
+            counts[chosen] = np.diff(part.indptr)
         pointer = np.append(0, np.cumsum(counts))
         pointer = pointer.astype(np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64)
         data, indices = np.empty(pointer[-1]), np.empty(pointer[-1], pointer.dtype)
-        place = np.repeat(pointer[near] - rest.indptr[:-1], counts[near]) + np.arange(rest.nnz)
-        data[place], indices[place] = rest.data, rest.indices
-        step = max(1, WORK // width)
+        for chosen, part in parts:
+            place = np.repeat(pointer[chosen] - part.indptr[:-1], counts[chosen]) + np.arange(part.nnz)
+            data[place], indices[place] = part.data, part.indices
         for start in range(0, len(whole), step):
             chosen = whole[start : start + step]
             place = pointer[chosen, None] + np.arange(width)
@@ -164,43 +164,13 @@ class Stencil:
         return columns
 
     def _searched(self, rows: Indices, number: Numbers, columns: int) -> Any:
-        """Rows of which only some of the band may be there, as a CSR matrix."""
+        """A few rows of which only some of the band may be there, as a CSR matrix."""
         from scipy.sparse import csr_array
 
-        data, indices, counts = [np.zeros(0)], [np.zeros(0, np.int32)], [np.zeros(1, np.intp)]
-        for _, inside, found, values in self._entries(rows, number):
-            data.append(values)
-            indices.append(found)
-            counts.append(inside.sum(axis=1))
-        pointer = np.cumsum(np.concatenate(counts))
-        return csr_array((np.concatenate(data), np.concatenate(indices), pointer), shape=(len(rows), columns))
-
-    def _entries(
-        self, rows: Indices, number: Numbers
-    ) -> Iterator[tuple[int, NDArray[np.bool_], Numbers, Array]]:
-        """Entries inside the band, row by row, a chunk of rows at a time.
-
-        Yields
-        ------
-        tuple
-            Position of the chunk in `rows`; which entries of the band there are, shape (rows, width); and of those
-            the positions of their columns and the values.
-        """
-        band = self._band
-        corners, numbers = self._corners(rows), number.ravel()
-        step = max(1, WORK // band.stored.size)
-        for start in range(0, len(rows), step):
-            piece = slice(start, start + step)
-            target = numbers.take(corners[piece, None] + band.neighbour)
-            inside = target >= 0
-            where = (rows[piece, None] + band.stored)[inside]
-            values = np.zeros(len(where))
-            for parity, stored in self.values.items():
-                entries = stored.take(where)
-                if min(parity) < 0:
-                    entries *= np.broadcast_to(band.signs(parity), inside.shape)[inside]
-                values += entries
-            yield start, inside, target[inside], values
+        target = number.ravel().take(self._corners(rows)[:, None] + self._band.neighbour)
+        inside = target >= 0
+        pointer = np.append(0, np.cumsum(inside.sum(axis=1)))
+        return csr_array((self._values(rows)[inside], target[inside], pointer), shape=(len(rows), columns))
 
     def _corners(self, rows: Indices) -> NDArray[np.intp]:
         """Place of ``i - p`` in an array with a margin of p."""
