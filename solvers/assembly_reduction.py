@@ -52,14 +52,17 @@ def reduce_sparse(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
 
 
 def _correction(stencil: Stencil, free: Extension, symmetric: bool) -> Any:
-    """``Z + Z^T``, or what stands for it, as CSR."""
+    """``Z + Z^T``, or what stands for it, as CSR with sorted rows."""
     extension = _sparse_extension(free)
     half = stencil.sparse(free.outer, free.dofs)
     image = extension @ stencil.sparse(free.outer, free.outer)
     if symmetric:
         half = extension @ (half + 0.5 * image.T)
-        return half + half.T
-    return extension @ half + ((stencil.sparse(free.dofs, free.outer) + image) @ extension.T)
+        # the sum is symmetric: this only sorts its rows
+        return (half + half.T).T.tocsr()
+    result = extension @ half + ((stencil.sparse(free.dofs, free.outer) + image) @ extension.T)
+    result.sort_indices()
+    return result
 
 
 def _dense(stencil: Stencil, free: Extension, symmetric: bool) -> Array:

@@ -108,7 +108,7 @@ class Stencil:
         rows, columns
             Flat indices.
         added
-            CSR matrix to be added, in which few rows have entries.
+            CSR matrix with sorted rows to be added, in which few rows have entries.
         """
         from scipy.sparse import csr_array
 

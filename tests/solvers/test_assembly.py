@@ -57,6 +57,12 @@ def assemble(space, batch, C, b, **options):
     return to_array(matrix), load
 
 
+def finished(space, batch, C, b, symmetric):
+    assembler = Assembler(space, symmetric)
+    assembler.add(batch, C, b)
+    return assembler.finish()[0]
+
+
 def assert_close(found, expected):
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-11 * np.abs(other).max())
@@ -113,8 +119,10 @@ def test_sparse_and_dense_matrices_agree(dimension, degree, monkeypatch):
             patch.setattr("solvers.assembly_reduction.DENSE_COUPLED", 0)
             patch.setattr("solvers.assembly_stencil.WORK", 1000)
             sparse = assemble(space, batch, C, b, symmetric=symmetric)
+            rows = finished(space, batch, C, b, symmetric)
         assert_close(mixed, dense)
         assert_close(sparse, dense)
+        assert all((np.diff(row) > 0).all() for row in np.split(rows.indices, rows.indptr[1:-1]))
 
 
 def test_chunks_do_not_matter(monkeypatch):
