@@ -200,10 +200,11 @@ def _held(problem: Problem, surface: Surface) -> bool | None:
 def _return(domain: Shape, corner: StraightCorner) -> float:
     """Distance at which the ray opposite to a corner's bisector, where its functions jump, comes back to the domain."""
     direction = corner.start + 0.5 * corner.angle + math.pi
-    along = 2.0 * max(domain.box.size) * np.geomspace(1e-6, 1.0, 800)
+    far = np.linspace(0.0, 1.0, 2001)[1:]
+    along = 2.0 * max(domain.box.size) * np.concatenate([np.geomspace(1e-6, far[0], 100)[:-1], far])
     x, y = (corner.point[i] + f(direction) * along for i, f in enumerate((np.cos, np.sin)))
     inside = np.flatnonzero(np.asarray(domain.sign(x, y)) > 0)
-    return float(along[inside[0] - 1]) if len(inside) else math.inf
+    return float(along[max(inside[0] - 1, 0)]) if len(inside) else math.inf
 
 
 def _alone(domain: Shape, corner: StraightCorner, direction: float) -> bool:
@@ -221,7 +222,11 @@ def _fading(domain: Shape, others: Part, corner: StraightCorner) -> Field:
     at_corner = float(np.asarray(own(*corner.point)))
     lattice = [np.linspace(a, b, SAMPLES) for a, b in zip(domain.box.lower, domain.box.upper, strict=True)]
     coords = np.meshgrid(*lattice, indexing="ij")
-    largest = float(np.max(partials(own, coords, 0)[0]))
+    with np.errstate(all="ignore"):
+        values = np.nan_to_num(
+            partials(own, coords, 0)[0], nan=0.0, posinf=0.0
+        )  # outside it need not be finite
+    largest = float(values.max())
     return fading(own, at_corner, largest, ORDER)
 
 
