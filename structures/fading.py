@@ -2,10 +2,11 @@ r"""Factors that are one at a corner, to some order, and vanish where the functi
 
 Let B be a weight of the other essential parts of the boundary and t = B/B(corner).  Then
 
-.. math:: \varphi = 1 - (1 - s)^m, \qquad s = \frac{t}{1 + \kappa (t - 1)}
+.. math:: \varphi = 1 - (1 - s)^m, \qquad s = t \sqrt{\frac{1 + \kappa}{1 + \kappa t^2}}
 
 vanishes with B and is :math:`1 + O(\varrho^m)` at a distance rho from the corner; kappa keeps s below 2 where t is
-large.  It varies on the scale of the domain, so splines on few cells make up for it.
+large, and there is no pole where t is negative, outside the domain.  It varies on the scale of the domain, so splines
+on few cells make up for it.
 
 Where the functions of a corner cannot be continued through the whole domain (round a hole they come back with another
 value) there is a window of the length l as well,
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rfm.calculus.functions import exp
+from rfm.calculus.functions import exp, sqrt
 from rfm.calculus.types import Field, Value
 
 VANISHED = 36.0 ** (1 / 4)
@@ -39,7 +40,8 @@ class Fading:
     def __call__(self, *coords: Value) -> Value:
         """Value at the coordinates."""
         t = self.weight(*coords) * (1.0 / self.at_corner)
-        s = t if self.saturation == 0.0 else t / (1.0 + self.saturation * (t - 1.0))
+        k = self.saturation
+        s = t if k == 0.0 else t / sqrt((1.0 + k * (t * t)) * (1.0 / (1.0 + k)))
         return 1.0 - (1.0 - s) ** self.order
 
 
@@ -62,4 +64,4 @@ class Window:
 def fading(weight: Field, at_corner: float, largest: float, order: int) -> Fading:
     """The factor of a weight whose largest value in the domain is `largest`."""
     t = largest / at_corner
-    return Fading(weight, at_corner, max(0.0, (0.5 * t - 1.0) / (t - 1.0)) if t > 2.0 else 0.0, order)
+    return Fading(weight, at_corner, (t * t - 4.0) / (3.0 * t * t) if t > 2.0 else 0.0, order)

@@ -47,6 +47,8 @@ MOST = 8
 """Corners up to which `auto` has singular functions: each has some 20 that are tabulated at all points."""
 REACH = 1.499
 """Cells around a corner within which there must be no boundary but its two edges: those of the fan."""
+FLAT = 0.5
+"""Least value of the factor at the distance of one cell; steeper ones are integrated badly and are of little use."""
 CLOSER = 0.95
 """Curved boundary may come closer to a corner than its sampled points."""
 SAMPLES = 17
@@ -126,17 +128,17 @@ def enriched_corners(problem: Problem, discretization: Discretization, grid: Gri
     if discretization.singular == OFF:
         return ()
     corners = straight_corners(problem.domain)
-    near = REACH * float(np.max(grid.spacing))
+    width = float(np.max(grid.spacing))
     found = [
         one
         for corner in corners
-        if _is_sector(problem.domain, corner, near)
-        and (one := _enriched(problem, corner, discretization.degree))
+        if _is_sector(problem.domain, corner, REACH * width)
+        and (one := _enriched(problem, corner, discretization.degree, width))
     ]
     if discretization.singular == CORNERS and not found:
         raise DiscretizationError(
             "singular must be auto or none here: the domain has no corner above 180 degrees between two straight "
-            "edges, each with one condition on all of it, and no other boundary within a cell and a half"
+            "edges, each with one condition on all of it, and so far from other boundary that the grid resolves it"
         )
     return () if discretization.singular == AUTO and len(found) > MOST else tuple(found)
 
@@ -146,7 +148,8 @@ def highest(degree: int) -> int:
     return min(degree + 2, HIGHEST)
 
 
-def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched | None:
+def _enriched(problem: Problem, corner: StraightCorner, degree: int, width: float) -> Enriched | None:
+    """The corner with its functions; None where there is no factor that cells of a width resolve."""
     domain = problem.domain
     kinds = [_held(problem, surface) for surface in (corner.first, corner.second)]
     if None in kinds:
@@ -156,7 +159,8 @@ def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched
     rays = [a for a, yes in zip((0.0, corner.angle), held, strict=True) if yes]
     essential = reduce(lambda a, b: a | b, (c.part for c in problem.conditions if isinstance(c, Dirichlet)))
     factor: Field | None = None
-    if all(_alone(domain, corner, corner.start + a) for a in rays):
+    alone = all(_alone(domain, corner, corner.start + a) for a in rays)
+    if alone:
         others = essential - Part("own edges", own)
         if others.surfaces:
             factor = _fading(domain, others, corner)
@@ -164,9 +168,11 @@ def _enriched(problem: Problem, corner: StraightCorner, degree: int) -> Enriched
         if reach < math.inf:
             window = Window(corner.point, reach / VANISHED)
             factor = window if factor is None else Product((factor, window))
-    else:
+    if not alone or not _resolved(factor, corner, width):
         reach = _clearance(domain, corner)
         factor = Window(corner.point, reach / VANISHED)
+        if not _resolved(factor, corner, width):
+            return None
     size = max(math.dist(corner.point, p) for p in _box_corners(domain))
     functions = CornerFunctions(corner, held, highest(degree), size, _has_products(problem))
     return Enriched(functions, factor, reach)
@@ -187,6 +193,15 @@ def _is_sector(domain: Shape, corner: StraightCorner, radius: float) -> bool:
     rays *= radius / np.abs(rays).max(axis=0)
     x, y = np.array(corner.point)[:, None, None] + rays[:, None] * np.array([0.25, 0.5, 0.75, 1.0])[:, None]
     return bool(((np.asarray(domain.sign(x, y)) > 0) == (theta < corner.angle)).all())
+
+
+def _resolved(factor: Field | None, corner: StraightCorner, width: float) -> bool:
+    """Whether a factor is still near one at the distance of a cell from the corner, so that the grid resolves it."""
+    if factor is None:
+        return True
+    theta = corner.start + corner.angle * np.linspace(0.02, 0.98, 25)
+    x, y = (corner.point[i] + width * f(theta) for i, f in enumerate((np.cos, np.sin)))
+    return bool(partials(factor, (x, y), 0)[0].min() >= FLAT)
 
 
 def _held(problem: Problem, surface: Surface) -> bool | None:

@@ -51,7 +51,8 @@ def solve_bordered(matrix: Any, load: Array, border: int, options: SolverOptions
     corner = _dense(matrix[first:, first:])
     apply, how = _inverse(block, load[:first], options)
     responses = apply(coupling)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(corner), np.finfo(float).tiny))
+    energies = np.diag(corner)  # not positive where a function was not resolved by the rules: it is left out
+    scale = np.where(energies > 0.0, 1.0 / np.sqrt(np.where(energies > 0.0, energies, 1.0)), 0.0)
     small = _pivoted((corner - coupling.T @ responses) * scale * scale[:, None])
 
     def solved(right: Array) -> Array:

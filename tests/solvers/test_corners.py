@@ -131,7 +131,7 @@ def test_many_corners_are_left_alone():
     problem = Problem(comb, Poisson(source=1.0), (Dirichlet(comb.part("all")),))
     assert len(straight_corners(comb)) == 10
     for singular, count in (("auto", 0), ("corners", 10)):
-        chosen = Discretization(degree=2, grid=40, singular=singular)
+        chosen = Discretization(degree=2, grid=80, singular=singular)
         assert len(enriched_corners(problem, chosen, background_grid(comb, chosen))) == count
 
 
