@@ -41,6 +41,8 @@ FILL = {0: (2.5e-6, 0.0), 2: (3.3e-7, 0.6), 3: (7e-7, 1.2)}
 """Seconds of SuperLU for an entry at 2500 unknowns, and how they grow with their number, by dimension."""
 MULTIGRID = 180
 """Steps of conjugate gradients that a solution by multigrid costs."""
+QUICK = 0.1
+"""Seconds of a factorisation below which it is taken at once: importing PyAMG's sweeps costs more."""
 CYCLES = 100
 """Cycles that multigrid is allowed before a factorisation."""
 
@@ -111,6 +113,8 @@ def choose(system: ScaledSystem) -> list[Candidate]:
     entries = int(system.original.nnz)
     size = f"{n} unknowns with {entries / n:.0f} entries a row"
     seconds, direct = _factorisation(n, entries, size, system.lattice)
+    if direct is not None and seconds < QUICK:
+        return [replace(direct, reason=f"{size}: a factorisation is quick")]
     step = 2e-9 * entries + 5e-5
     trial = int(min(max(0.5 * seconds / step, TRIAL[0]), TRIAL[1]))
     reason = f"{size}: conjugate gradients alone would need more than {trial} steps"

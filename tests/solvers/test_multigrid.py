@@ -287,12 +287,12 @@ def test_automatic_choice_of_high_degree():
     options = SolverOptions(tolerance=1e-11)
     coarse, fine = (
         pipeline.solve(dirichlet(), Discretization(degree=5, grid=grid), Ritz(), options).linear
-        for grid in (48, 140)
+        for grid in (56, 140)
     )
     assert (coarse.method, fine.method) == ("superlu", "multigrid")
     assert "cheaper than multigrid" in coarse.reason
     assert "splines of degree 5" in fine.reason
-    space = space_of(ball_states, 3, 40, 40)
+    space = space_of(ball_states, 3, 100, 100)
     matrix, load, lattice = system_of(space)
     names = [c.name for c in choose(ScaledSystem.of(matrix, load, lattice=lattice))]
     assert names[:2] == ["ssor", "multigrid"]
