@@ -98,11 +98,21 @@ def telling_others(case: Case) -> AbstractContextManager[None]:
 def describe(summary: Mapping[str, Any], as_json: bool) -> None:
     """Print what matters of a summary."""
     rows = [(key, summary.get(key)) for key in HEADLINES if summary.get(key) is not None]
-    for section in ("boundary_error", "integrals", "probes", "seconds", "memory_per_unknown"):
+    memory = dict(summary.get("memory_per_unknown") or {})
+    # of small problems, solved as arrays, the peak is the program itself
+    memory = memory if memory.get("solver") else {}
+    for section in ("boundary_error", "integrals", "probes", "seconds"):
         for name, value in dict(summary.get(section) or {}).items():
             rows.append((f"{section}.{name}", value))
+    rows += [
+        (f"memory_per_unknown.{name}", f"{value:,} bytes".replace(",", " ")) for name, value in memory.items()
+    ]
     for number, corner in enumerate(summary.get("corners") or ()):
         rows.append((f"corners.{number}.intensity", corner["intensity"]))
     linear = summary.get("linear") or {}
-    rows += [(f"linear.{key}", linear[key]) for key in ("method", "residual", "iterations") if key in linear]
+    rows += [
+        (f"linear.{key}", linear[key])
+        for key in ("method", "reason", "residual", "iterations")
+        if key in linear
+    ]
     table(("result", "value"), rows, as_json, title=str(summary.get("title") or summary.get("case", "")))
