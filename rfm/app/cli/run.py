@@ -104,9 +104,7 @@ def describe(summary: Mapping[str, Any], as_json: bool) -> None:
     for section in ("boundary_error", "integrals", "probes", "seconds"):
         for name, value in dict(summary.get(section) or {}).items():
             rows.append((f"{section}.{name}", value))
-    rows += [
-        (f"memory_per_unknown.{name}", f"{value:,} bytes".replace(",", " ")) for name, value in memory.items()
-    ]
+    rows += [(f"memory_per_unknown.{name} (bytes)", value) for name, value in memory.items()]
     for number, corner in enumerate(summary.get("corners") or ()):
         rows.append((f"corners.{number}.intensity", corner["intensity"]))
     linear = summary.get("linear") or {}
