@@ -50,7 +50,7 @@ notebooks: $(STAMP)  ## execute the notebooks from a clean kernel
 pair: $(STAMP)  ## write the notebooks anew from their scripts
 	$(BIN)/jupytext --sync notebooks/*.py
 
-# A solve ends its series at LIMIT seconds; all series of a program on a problem share eight times that equally.
+# A solve ends its series at LIMIT seconds; all series of a program on a problem share eight times that.
 LIMIT ?= 10
 BENCH := $(BIN)/python -m benchmarks.run --limit $(LIMIT)
 

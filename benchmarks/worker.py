@@ -133,12 +133,8 @@ def main() -> None:
     limit, budget = factor * arguments.limit, factor * arguments.budget
     print(json.dumps({"versions": dict(program.versions())}), flush=True)
     deadline = time.monotonic() + budget
-    every = program.series(one)
-    for number, (name, configurations) in enumerate(every.items()):
-        # equal shares of what is left, so that no series starves those after it
-        now = time.monotonic()
-        end = now + max(0.0, deadline - now) / (len(every) - number)
-        results = sweep(program, arguments.program, one, name, configurations, limit, end, arguments.all)
+    for name, configurations in program.series(one).items():
+        results = sweep(program, arguments.program, one, name, configurations, limit, deadline, arguments.all)
         for result in results:
             line = {"note": result} if isinstance(result, str) else {"row": asdict(result)}
             print(json.dumps(line), flush=True)

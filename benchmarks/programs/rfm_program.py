@@ -17,7 +17,15 @@ import pyamg  # noqa: F401  rfm imports these on demand, and imports are not tim
 import scipy.sparse.linalg  # noqa: F401
 import threadpoolctl  # noqa: F401
 
-import solvers.assembly  # noqa: F401
+import solvers.assembly
+import solvers.corners.setting
+import solvers.linear.bordered
+import solvers.linear.condition
+import solvers.pipeline
+import solvers.quadrature.domain  # noqa: F401
+import structures.dirichlet
+import structures.fading
+import structures.manufactured  # noqa: F401
 from benchmarks.problems import POISSON, YOUNG, Ball, Block, Bore, Polygon, Problem, Solid
 from benchmarks.record import Answer, Configuration, Laps
 from rfm.calculus import functions
